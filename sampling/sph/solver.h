@@ -1,0 +1,58 @@
+// The interface between a strategy and an SPH engine, whatever it runs on.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+
+#include "sampling/grid.h"
+#include "sampling/vec.h"
+
+namespace abn::sph {
+
+/// How relax() went. Displacements are in mean spacings d = sqrt(area / N).
+struct RelaxReport {
+  int steps = 0;
+  double mean_displacement = 0;  // of the last step [d]
+  double max_displacement = 0;   // of the last step [d]
+  double mean_density = 0;       // relative to the rest density N / area, 1 at equilibrium
+  bool converged = false;        // mean displacement fell below Setup::tolerance
+  std::uint64_t non_finite = 0;  // particles whose step was not finite and was dropped
+};
+
+/// Everything an engine needs to start. Positions are copied.
+struct Setup {
+  Extent plane;                      // [px]; opposite sides are joined (torus)
+  std::span<const Vec2f> positions;  // [px], inside the plane
+  float support_radius = 2.0F;       // H [d]
+  float stiffness_ratio = 0.3F;      // Delta = density difference of thesis eq. 2.18 relative to the mean density
+  float step = 1.2F;                 // [d]
+  float damping = 0.6F;              // share of the velocity that survives a step
+  float velocity_cap = 0.3F;         // [d per step]
+  float tolerance = 0.01F;           // converged when the mean displacement is below [d]
+};
+
+/// N particles on a torus. Ids are indices into Setup::positions, stable for life.
+class Solver {
+ public:
+  virtual ~Solver() = default;
+  /// Relative spacing s(x) > 0, bilinear between cell centres, periodic; normalised inside so that int s^-2 dA = area.
+  virtual void set_size_field(const Grid<float>& s) = 0;
+  /// These particles stay in every density sum and move no more.
+  virtual void freeze(std::span<const std::uint32_t> ids) = 0;
+  /// At most `max_steps` steps, fewer if converged and `stop_early`.
+  virtual RelaxReport relax(int max_steps, bool stop_early) = 0;
+  /// Current positions by id [px]; valid until the next call. Synchronises a device, so timing is honest.
+  virtual std::span<const Vec2f> positions() = 0;
+  virtual const char* backend() const = 0;
+};
+
+using SolverFactory = std::function<std::unique_ptr<Solver>(const Setup&)>;
+
+/// The reference engine in float, on all OpenMP threads; bit-identical for any number of them.
+std::unique_ptr<Solver> make_cpu_solver(const Setup& setup);
+/// The same in double: the difference to the float engine is its rounding.
+std::unique_ptr<Solver> make_cpu_solver_double(const Setup& setup);
+
+}  // namespace abn::sph
