@@ -56,6 +56,10 @@ std::string to_word(const std::string& value);
 template <class P>
 P parse_parameters(std::string_view owner, const std::vector<Field<P>>& fields, const ParameterWords& words) {
   P parameters{};
+  if constexpr (std::is_empty_v<P>) {  // GCC 12 warns of a write into an object without members if it sees the loop
+    if (!words.empty()) detail::throw_unknown_parameter(owner, words.begin()->first, {});
+    return parameters;
+  }
   for (const auto& [key, word] : words) {
     const Field<P>* field = nullptr;
     std::vector<std::string> known;

@@ -44,12 +44,16 @@ concept StrategyClass = std::derived_from<T, Sampler> &&
   { T::fields() } -> std::same_as<std::vector<Field<typename T::Params>>>;
 };
 
+/// Throws ConfigError for a task that no strategy can do: no samples, or a plane without pixels.
+void require_task(std::string_view strategy, const SamplingTask& task);
+
 template <StrategyClass T>
 Strategy row() {
   Strategy strategy;
   strategy.info = T::info;
   strategy.parameters = describe_fields(T::fields());
   strategy.make = [](const SamplingTask& task, const ParameterWords& words) -> std::unique_ptr<Sampler> {
+    require_task(T::info.name, task);
     return std::make_unique<T>(task, parse_parameters(T::info.name, T::fields(), words));
   };
   strategy.resolve = [](const ParameterWords& words) {

@@ -1,0 +1,208 @@
+#include "harness/experiment.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <memory>
+#include <system_error>
+
+#include "harness/image_io.h"
+#include "harness/output.h"
+#include "harness/progress.h"
+#include "harness/rows.h"
+#include "harness/summary.h"
+#include "sampling/atomic_file.h"
+#include "sampling/error.h"
+
+namespace abn::harness {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Column names: known before the first run, so that the CSV is append-only.
+std::vector<std::string> csv_columns(const ExperimentSpec& spec, const std::vector<RunSpec>& runs) {
+  std::vector<std::string> columns = {"experiment", "key",   "label",   "strategy", "scene",  "width",
+                                      "height",     "seed",  "samples", "spp",      "filter", "reconstruction",
+                                      "integrand",  "truth", "backend", "threads"};
+  std::map<std::string, bool> parameters;
+  for (const auto& run : runs) {
+    ParameterWords words = run.parameters;
+    const Strategy& strategy = find_strategy(run.strategy, words);
+    for (const auto& [key, value] : strategy.resolve(words)) parameters["params." + key] = true;
+  }
+  for (const auto& [name, known] : parameters) columns.push_back(name);
+  for (const auto& metric : spec.metrics) columns.push_back("scores." + metric);
+  for (const char* name :
+       {"time.generate_s", "time.evaluate_s", "time.reconstruct_s", "time.total_s", "time.cached", "passes",
+        "empty_pixels", "max_samples_per_pixel", "diagnostics", "input_hash", "truth_standard_error"}) {
+    columns.emplace_back(name);
+  }
+  for (const auto& [name, value] : flatten({{"build", reproducibility_record()}})) columns.push_back(name);
+  return columns;
+}
+
+/// A name for files: letters, digits, dots and dashes of `text`.
+std::string file_name(const std::string& text) {
+  std::string name;
+  for (const char c : text) {
+    const bool plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
+    name += plain ? c : '_';
+  }
+  return name;
+}
+
+std::string scene_name(const std::string& scene) {
+  return scene.starts_with("scene:") ? scene.substr(6) : fs::path(scene).stem().string();
+}
+
+void prepare_folder(const ExperimentOptions& options) {
+  std::error_code error;
+  const bool there = fs::exists(options.out, error) && !fs::is_empty(options.out, error);
+  if (there && !options.resume && !options.overwrite) {
+    throw ConfigError(fmt::format(
+        "{}: the folder exists; go on with --resume, replace its results with --overwrite, or give another --out",
+        options.out.string()));
+  }
+  if (there && options.overwrite && !fs::exists(options.out / "runs.jsonl")) {
+    throw ConfigError(
+        fmt::format("{}: --overwrite replaces the results of an experiment, and this folder holds none (no "
+                    "runs.jsonl); give another --out",
+                    options.out.string()));
+  }
+  fs::create_directories(options.out, error);
+  if (error)
+    throw IoError(fmt::format("{}: cannot be made: {}; give a writable folder with --out", options.out.string(),
+                              error.message()));
+  if (there && options.overwrite) {
+    fs::remove_all(options.out / "images", error);
+    fs::remove(options.out / "table.md", error);
+    for (const auto& entry : fs::directory_iterator(options.out)) {
+      if (entry.path().filename().string().starts_with("overview")) fs::remove(entry.path(), error);
+    }
+  }
+}
+
+std::string picture_stem(const std::string& scene, std::uint64_t samples, const std::string& label) {
+  return fmt::format("{}_{}_{}", scene_name(scene), samples, file_name(label));
+}
+
+/// The result (EXR and PNG), the signed difference (EXR), the error map (PNG).
+void save_pictures(const fs::path& folder, const RunResult& result, const Subject& subject, double gain) {
+  const std::string stem = picture_stem(subject.spec.scene, result.spec.samples, result.spec.label);
+  const auto path = [&](const char* ending) { return (folder / (stem + ending)).string(); };
+  write_picture(path(".exr"), result.picture, subject.high_dynamic_range);
+  write_picture(path(".png"), result.picture, subject.high_dynamic_range);
+  write_error_map(path("_difference.exr"), result.picture, subject.truth.image, gain);
+  write_error_map(path("_error.png"), result.picture, subject.truth.image, gain);
+}
+
+void save_truth(const fs::path& folder, const Subject& subject) {
+  const std::string path = (folder / (scene_name(subject.spec.scene) + "_truth")).string();
+  write_picture(path + ".exr", subject.truth.image, subject.high_dynamic_range);
+  write_picture(path + ".png", subject.truth.image, subject.high_dynamic_range);
+}
+
+/// One sheet per scene and budget from the pictures on disk, so that a resumed experiment gets all of it. A sheet whose
+/// pictures are not all there yet (another shard makes them) is left out. Returns the first one.
+fs::path draw_overviews(const ExperimentSpec& spec, const fs::path& out, const std::vector<Json>& rows) {
+  std::map<std::string, const Json*> first_seed_rows;
+  for (const auto& row : rows) {
+    if (row["seed"] == spec.first_seed)
+      first_seed_rows[picture_stem(row["scene"], row["samples"], row["label"])] = &row;
+  }
+  fs::path first;
+  for (const auto& scene : spec.scenes) {
+    for (const std::uint64_t samples : spec.budgets) {
+      std::vector<Exhibit> exhibits;
+      for (const auto& choice : spec.strategies) {
+        const std::string stem = picture_stem(scene, samples, choice.label);
+        const fs::path picture = out / "images" / (stem + ".exr");
+        const auto row = first_seed_rows.find(stem);
+        if (row == first_seed_rows.end() || !fs::exists(picture)) break;
+        const Json& rmse = (*row->second)["scores"].value("rmse", Json(nullptr));
+        exhibits.push_back(
+            {choice.label, load_image(picture.string()).image, rmse.is_number() ? rmse.get<double>() : 0.0});
+      }
+      if (exhibits.size() != spec.strategies.size()) continue;
+      const LoadedImage truth = load_image((out / "images" / (scene_name(scene) + "_truth.exr")).string());
+      bool above_one = false;
+      for (const float value : truth.image.texels) above_one = above_one || value > 1.0F;
+      const std::string title = fmt::format("{}: {}, {}x{}, {} samples", spec.title, scene_name(scene), spec.to.width,
+                                            spec.to.height, samples);
+      const Picture sheet = overview(title, truth.image, exhibits, above_one, spec.gain);
+      const bool only_one = spec.scenes.size() * spec.budgets.size() == 1;
+      const fs::path path =
+          out / (only_one ? "overview.png" : fmt::format("overview_{}_{}.png", scene_name(scene), samples));
+      save_rgb8(path.string(), sheet.size(), sheet.rgb);
+      if (first.empty()) first = path;
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOptions& options) {
+  const std::vector<RunSpec> all = spec.expand();
+  prepare_folder(options);
+  RowFile file(options.out, csv_columns(spec, all), options.resume);
+  ExperimentOutcome outcome;
+
+  std::vector<const RunSpec*> todo;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % options.shards != options.shard) continue;
+    if (file.has(run_key(all[i]))) {
+      ++outcome.skipped;
+    } else {
+      todo.push_back(&all[i]);
+    }
+  }
+
+  const fs::path images = options.out / "images";
+  if (spec.images) fs::create_directories(images);
+  std::unique_ptr<Subject> subject;
+  Progress progress(spec.name, todo.size(), options.quiet);
+  try {
+    for (std::size_t i = 0; i < todo.size(); ++i) {
+      const RunSpec& run_spec = *todo[i];
+      if (interrupted()) throw Interrupted{};
+      progress.update(i,
+                      fmt::format("{} {} seed {}", scene_name(run_spec.subject.scene), run_spec.label, run_spec.seed));
+      if (!subject || subject->spec != run_spec.subject) {
+        subject.reset();  // one source at a time in memory
+        subject = load_subject(run_spec.subject);
+        progress.clear();
+        if (!options.quiet) {
+          for (const auto& notice : subject->notices)
+            fmt::print(stderr, "abn: {}: {}\n", run_spec.subject.scene, notice);
+        }
+        if (spec.images) {
+          save_truth(images, *subject);
+        }
+      }
+      const RunResult result = run(run_spec, *subject, spec.metrics);
+      Json row = {{"experiment", spec.name}, {"key", run_key(run_spec)}};
+      row.update(to_json(result));
+      row["input_hash"] = result.source_hash;
+      row["build"] = reproducibility_record();
+      file.append(row);
+      if (options.json) fmt::print("{}\n", row.dump());
+      if (spec.images && run_spec.seed == spec.first_seed) {
+        save_pictures(images, result, *subject, spec.gain);
+      }
+      progress.update(i + 1);
+    }
+  } catch (const Interrupted&) {
+    outcome.stopped = true;
+  }
+  progress.clear();
+
+  outcome.rows = file.rows().size();
+  outcome.table = summary_table(file.rows(), spec.baseline);
+  write_atomically(options.out / "table.md", outcome.table);
+  if (spec.images) outcome.overview = draw_overviews(spec, options.out, file.rows());
+  return outcome;
+}
+
+}  // namespace abn::harness

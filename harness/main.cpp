@@ -1,0 +1,214 @@
+// The command line: words to option structs, exceptions to exit codes. The only file that includes CLI11.
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <functional>
+#include <new>
+
+#include "harness/progress.h"
+#include "harness/verbs.h"
+#include "sampling/error.h"
+
+namespace {
+
+using namespace abn::harness;
+
+struct Verb {
+  CLI::App* command;
+  std::function<int()> action;
+};
+
+/// Options of every verb. Global flags may stand before or after the verb.
+struct CommandLine {
+  CLI::App app{
+      "abn: which samples, and what do they cost?\nTakes a high-resolution image as the integrand and samples it down "
+      "with interchangeable strategies."};
+  GlobalOptions global;
+  DownscaleOptions downscale;
+  RunOptions run;
+  PointsOptions points;
+  CompareOptions compare;
+  TruthOptions truth;
+  SceneOptions scene;
+  ListOptions list;
+  std::vector<Verb> verbs;
+
+  CLI::App* verb(const char* name, const char* summary, const char* example, std::function<int()> action) {
+    CLI::App* command = app.add_subcommand(name, summary);
+    command->footer(fmt::format("Example:\n  {}\n", example));
+    add_global(command);
+    verbs.push_back({command, std::move(action)});
+    return command;
+  }
+  void add_global(CLI::App* command) {
+    command->add_option("--backend", global.backend, "engine of the SPH strategies: auto, cpu or cuda")
+        ->capture_default_str();
+    command->add_option("--threads", global.threads, "number of threads; 0 = all cores")
+        ->check(CLI::Range(0, 4096))
+        ->capture_default_str();
+    command->add_flag("--quiet", global.quiet, "no progress, no notices");
+    command->add_flag("--json", global.json, "JSON on stdout and nothing else there");
+    command->add_flag("--no-cache", global.no_cache, "never read or write cached stages");
+  }
+
+  CommandLine() {
+    app.set_version_flag("--version", version_text());
+    app.require_subcommand(1);
+    app.footer(
+        "Every verb has its own --help with an example. First steps:\n  abn run main\n  abn downscale scene:apple "
+        "--strategy multijitter --spp 6 -o apple.png\n  abn list strategies\n"
+        "Exit codes: 0 success, 1 a comparison differs, 2 wrong words, 3 a file, 4 a device, 130 stopped by Ctrl-C.\n");
+    add_downscale();
+    add_run();
+    add_points();
+    add_compare();
+    add_truth();
+    add_scene();
+    auto* c = verb("list", "what there is: strategies, scenes, filters, reconstructions, metrics",
+                   "abn list strategies jitter", [this] { return abn::harness::list(global, list); });
+    c->add_option("KIND", list.kind, "strategies, scenes, filters, reconstructions or metrics; nothing = all names");
+    c->add_option("NAME", list.name, "one of them in full: parameters, whom to cite, when to use it");
+    verb("info", "version, libraries, processor, data folders", "abn info --json", [this] { return info(global); });
+  }
+
+  void add_downscale() {
+    auto& o = downscale;
+    auto* c =
+        verb("downscale", "sample one image down with one strategy; print error and time",
+             "abn downscale scene:apple --strategy sph_blue_noise --spp 6 -o apple.png --error-map apple_error.png",
+             [this] { return abn::harness::downscale(global, downscale); });
+    c->add_option("IMAGE", o.image, "an image file or scene:NAME")->required();
+    c->add_option("--to", o.to, "output size [px]")->capture_default_str();
+    c->add_option("--strategy", o.strategy, "abn list strategies; or file:PATH, command:CMD")->required();
+    auto* spp = c->add_option("--spp", o.spp, "samples per pixel, default 6");
+    c->add_option("--samples", o.samples, "samples in all")->excludes(spp)->check(CLI::PositiveNumber);
+    c->add_option("--set", o.set, "a parameter of the strategy, KEY=VALUE (repeatable)");
+    c->add_option("--seed", o.seed, "seed of the strategy")->capture_default_str();
+    c->add_option("--filter", o.filter, "abn list filters")->capture_default_str();
+    c->add_option("--reconstruction", o.reconstruction, "abn list reconstructions; auto = what the strategy recommends")
+        ->capture_default_str();
+    c->add_option("--truth", o.truth, "exact, or monte_carlo:SPP")->capture_default_str();
+    add_source(c, o.integrand, o.channels, o.on_nonfinite);
+    c->add_option("-o,--output", o.output, "write the picture here (.exr linear, .png sRGB, …)");
+    c->add_option("--error-map", o.error_map,
+                  "write the error: .exr signed difference, otherwise |difference| x gain in false colour");
+    c->add_option("--gain", o.gain, "gain of the error map")->check(CLI::PositiveNumber)->capture_default_str();
+    c->add_option("--points", o.points, "write the samples here, unit square, format by extension as in abn points");
+  }
+  void add_run() {
+    auto& o = run;
+    auto* c = verb("run", "run an experiment: every strategy, scene, budget and seed of a TOML file",
+                   "abn run fig_3_3 --seeds 5 --out /tmp/fig_3_3", [this] { return run_verb(global, run); });
+    c->add_option("SPEC", o.spec, "a TOML file, or the name of an experiment such as main or fig_4_2")->required();
+    c->add_option("--out", o.out, "folder of the results; default results/runs/NAME");
+    auto* resume = c->add_flag("--resume", o.resume, "go on where an earlier run stopped");
+    c->add_flag("--overwrite", o.overwrite, "replace the results in the folder")->excludes(resume);
+    c->add_option("--seeds", o.seeds, "number of seeds, instead of the spec's")->check(CLI::PositiveNumber);
+    c->add_option("--set", o.set, "STRATEGY.KEY=VALUE (repeatable)");
+    c->add_option("--shard", o.shard, "I/N: do only the runs with index I modulo N, I from 0");
+    c->add_flag("--dry-run", o.dry_run, "check everything, list the runs, do none");
+  }
+  void add_points() {
+    auto& o = points;
+    auto* c = verb("points", "write the samples of a strategy on the unit square",
+                   "abn points --strategy poisson_disk --count 4096 -o points.txt --format psa",
+                   [this] { return abn::harness::points(global, points); });
+    c->add_option("--strategy", o.strategy, "abn list strategies")->required();
+    c->add_option("--count", o.count, "number of samples")->required()->check(CLI::PositiveNumber);
+    c->add_option("--seed", o.seed, "seed")->capture_default_str();
+    c->add_option("--set", o.set, "a parameter of the strategy, KEY=VALUE (repeatable)");
+    c->add_option("--density", o.density, "image or scene whose luminance is the density of the samples");
+    c->add_option("--format", o.format, "utk, utk-bin, psa, rps or csv; default by the extension, else utk");
+    c->add_option("-o,--output", o.output, "file to write")->required();
+  }
+  void add_compare() {
+    auto& o = compare;
+    auto* c = verb("compare", "metrics between two images",
+                   "abn compare mine.exr truth.exr --metric rmse,flip --fail 0.01 --error-map error.png",
+                   [this] { return abn::harness::compare(global, compare); });
+    c->add_option("TEST", o.test, "image file")->required();
+    c->add_option("REFERENCE", o.reference, "image file")->required();
+    c->add_option("--metric", o.metrics,
+                  "names separated by commas, default all; the first one is what --fail looks at")
+        ->delimiter(',');
+    c->add_option("--error-map", o.error_map, "write the error: .exr signed difference, otherwise false colour");
+    c->add_option("--gain", o.gain, "gain of the error map")->check(CLI::PositiveNumber)->capture_default_str();
+    c->add_option("--fail", o.fail, "exit with 1 if the first metric is worse than this");
+    c->add_option("--on-nonfinite", o.on_nonfinite, "NaN and Inf: refuse, zero or clamp")->capture_default_str();
+  }
+  void add_truth() {
+    auto& o = truth;
+    auto* c =
+        verb("truth", "the exact (or Monte Carlo) picture that strategies are measured against",
+             "abn truth scene:apple --to 200x200 -o truth.exr", [this] { return abn::harness::truth(global, truth); });
+    c->add_option("IMAGE", o.image, "an image file or scene:NAME")->required();
+    c->add_option("--to", o.to, "output size [px]")->capture_default_str();
+    c->add_option("--filter", o.filter, "abn list filters")->capture_default_str();
+    c->add_option("--truth", o.method, "exact, or monte_carlo:SPP")->capture_default_str();
+    add_source(c, o.integrand, o.channels, o.on_nonfinite);
+    c->add_option("-o,--output", o.output, "file to write")->required();
+  }
+  void add_scene() {
+    auto& o = scene;
+    auto* c = verb("scene", "write a scene as an image", "abn scene zone_plate --size 1000 -o zone.png",
+                   [this] { return abn::harness::scene(global, scene); });
+    c->add_option("NAME", o.name, "abn list scenes")->required();
+    c->add_option("--size", o.size, "width and height [px]")->check(CLI::Range(1U, 65536U))->capture_default_str();
+    c->add_option("-o,--output", o.output, "file to write")->required();
+  }
+  static void add_source(CLI::App* c, std::string& integrand, std::string& channels, std::string& on_nonfinite) {
+    c->add_option("--integrand", integrand,
+                  "between texel centres: nearest, bilinear, or analytic (scene:apple_analytic)")
+        ->capture_default_str();
+    c->add_option("--channels", channels, "channels of the file to use, one or three names or numbers, e.g. R,G,B");
+    c->add_option("--on-nonfinite", on_nonfinite, "NaN and Inf in the input: refuse, zero or clamp")
+        ->capture_default_str();
+  }
+};
+
+int fail(int code, const std::string& message) {
+  fmt::print(stderr, "abn: {}\n", message);
+  return code;
+}
+
+int run_program(int argc, char** argv) {
+  CommandLine line;
+  try {
+    line.app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return line.app.exit(error);  // --help, --version
+    return fail(2, std::string(error.what()) + " (abn --help, abn VERB --help)");
+  }
+  if (line.global.threads > 0) omp_set_num_threads(line.global.threads);
+  for (const auto& verb : line.verbs) {
+    if (verb.command->parsed()) return verb.action();
+  }
+  return fail(2, "no verb is given (abn --help)");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  install_interrupt_handler();
+  try {
+    const int code = run_program(argc, argv);
+    // A full disk behind `abn … > file` shows only here.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      return fail(3, "standard output cannot be written; is the disk full?");
+    return code;
+  } catch (const abn::ConfigError& error) {
+    return fail(2, error.what());
+  } catch (const abn::IoError& error) {
+    return fail(3, error.what());
+  } catch (const abn::DeviceError& error) {
+    return fail(4, error.what());
+  } catch (const Interrupted&) {
+    return fail(130, "stopped");
+  } catch (const std::bad_alloc&) {
+    return fail(3, "out of memory; use a smaller image, output size or budget");
+  } catch (const std::system_error& error) {
+    return fail(3, error.what());
+  }
+}

@@ -1,0 +1,58 @@
+#include "harness/output.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "harness/error_map.h"
+#include "harness/image_io.h"
+#include "sampling/atomic_file.h"
+
+namespace abn::harness {
+
+bool is_linear_format(const std::string& path) { return path.ends_with(".exr") || path.ends_with(".hdr"); }
+
+void require_writable_image(const std::string& path) {
+  require_image_format(path);
+  const AtomicFile probe(path);  // leaves nothing: it is never committed
+}
+
+void write_picture(const std::string& path, const Image& image, bool high_dynamic_range) {
+  if (is_linear_format(path) || !high_dynamic_range) {
+    save_image(path, image);
+  } else {
+    const Picture picture = to_picture(image, ToneMapping::reinhard);
+    save_rgb8(path, picture.size(), picture.rgb);
+  }
+}
+
+void write_error_map(const std::string& path, const Image& test, const Image& reference, double gain) {
+  const ErrorMap map = error_map(test, reference);
+  if (path.ends_with(".exr")) {
+    save_image(path, map.difference);
+  } else {
+    const Picture picture = map.false_colour_picture(gain);
+    save_rgb8(path, picture.size(), picture.rgb);
+  }
+}
+
+Picture overview(const std::string& title, const Image& truth, const std::vector<Exhibit>& exhibits,
+                 bool high_dynamic_range, double gain) {
+  const ToneMapping tone_mapping = high_dynamic_range ? ToneMapping::reinhard : ToneMapping::none;
+  std::vector<MontageItem> items = {{.label = "truth", .picture = to_picture(truth, tone_mapping)}};
+  for (const auto& exhibit : exhibits)
+    items.push_back({.label = exhibit.label, .picture = to_picture(exhibit.image, tone_mapping)});
+  items.push_back({.label = "", .picture = {}});
+  for (const auto& exhibit : exhibits) {
+    items.push_back({.label = fmt::format("error x {:g}\nRMSE {:.4f}", gain, exhibit.rmse),
+                     .picture = error_map(exhibit.image, truth).false_colour_raster(gain)});
+  }
+  MontageLayout layout;
+  layout.columns = static_cast<std::uint32_t>(exhibits.size() + 1);
+  layout.title = title;
+  layout.colour_bar = ErrorMap::colour_bar(gain);
+  if (high_dynamic_range) layout.note = "High dynamic range, shown as x/(1+x); errors are of linear light.";
+  return montage(items, layout);
+}
+
+}  // namespace abn::harness

@@ -1,0 +1,27 @@
+// The table of reconstructions: how the samples of a film become pixels.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/film.h"
+
+namespace abn::harness {
+
+/// A row of the table.
+struct Reconstruction {
+  std::string name;     // as typed after --reconstruction
+  std::string summary;  // one sentence
+  std::function<Developed(const Film&)> develop;
+};
+
+/// The table, in the order of `abn list reconstructions`.
+const std::vector<Reconstruction>& reconstructions();
+
+/// The row of that name; throws ConfigError that lists what is known. ("auto" is no row: it means the name that the
+/// strategy's row recommends.)
+const Reconstruction& find_reconstruction(std::string_view name);
+
+}  // namespace abn::harness

@@ -1,0 +1,117 @@
+// The physics of the SPH sampler, one equation per function, for host and device.
+//
+// Everything is dimensionless (Jiang et al. 2015 made scale-free): the unit of length is the mean spacing
+// d = sqrt(area / N), so the number density is 1, the mass is 1, and one set of parameters serves every N and plane.
+// Equation numbers are those of Russell's thesis (2017), chapter 2.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "sampling/hd.h"
+#include "sampling/rng.h"
+
+namespace abn::sph {
+
+/// Eq. 2.19 as a factor: the warped distance 2|x_i - x_j| / (s_i + s_j) is |x_i - x_j| times this.
+template <class Real>
+ABN_HD constexpr Real warp(Real size_i, Real size_j) {
+  return Real(2) / (size_i + size_j);
+}
+
+/// q = warped distance / H from the squared distance [d^2]; the pair interacts where q < 1.
+template <class Real>
+ABN_HD inline Real kernel_distance(Real squared_distance, Real inverse_reach) {
+  return std::sqrt(squared_distance) * inverse_reach;
+}
+
+/// max(0, 1 - q): what both kernels are powers of; zero past the support without a branch.
+template <class Real>
+ABN_HD constexpr Real support(Real q) {
+  const Real rest = Real(1) - q;
+  return rest > Real(0) ? rest : Real(0);
+}
+
+/// Wendland C2 kernel without its constant, (1-q)^4 (1+4q): its gradient does not vanish too fast at r = 0, so that
+/// particles do not collapse into pairs as under poly6 (the thesis' kernel).
+template <class Real>
+ABN_HD constexpr Real kernel_shape(Real q) {
+  const Real a = support(q);
+  const Real a2 = a * a;
+  return a2 * a2 * (Real(1) + Real(4) * q);
+}
+
+/// The constant 7 / (pi H^2) that makes the kernel integrate to 1 over the plane.
+template <class Real>
+ABN_HD constexpr Real kernel_constant(Real support_radius) {
+  return Real(7) / (std::numbers::pi_v<Real> * support_radius * support_radius);
+}
+
+/// One term of the density sum, eq. 2.15: rho_i = kernel_constant * sum over j, self included, of these.
+template <class Real>
+ABN_HD inline Real density_term(Real squared_distance, Real inverse_reach) {
+  return kernel_shape(kernel_distance(squared_distance, inverse_reach));
+}
+
+/// Pressure, eqs. 2.17 and 2.18 relative to the mean: P = 1 + (rho - mean) / (Delta mean). The stiffness k and the mass
+/// drop out, Delta (density difference relative to the mean) sets the profile. Not clamped, as in the thesis.
+template <class Real>
+ABN_HD constexpr Real pressure(Real density, Real mean_density, Real inverse_delta) {
+  return Real(1) + (density - mean_density) / mean_density * inverse_delta;
+}
+
+/// One term of the pressure force, eq. 2.16 in its form for the Wendland kernel, where grad W is parallel to
+/// -(1-q)^3 (x_i - x_j): force_i = sum over j of this * (x_i - x_j) * warp. The last factor puts the force into units
+/// of the local spacing. Symmetric in i and j, so that momentum is conserved. Deviation: P_i + P_j without 1/rho^2
+/// (Jiang), because rho is 1 at equilibrium; the constant of grad W is in `step`.
+template <class Real>
+ABN_HD inline Real force_term(Real squared_distance, Real inverse_reach, Real pressure_i, Real pressure_j) {
+  const Real a = support(kernel_distance(squared_distance, inverse_reach));
+  return Real(0.5) * (pressure_i + pressure_j) * (a * a * a);
+}
+
+/// Stands in for (x_i - x_j) where two particles coincide and no direction exists: a short vector from the two ids,
+/// opposite for (j, i), so that the pair separates deterministically and keeps its momentum.
+template <class Real>
+ABN_HD inline void coincident_offset(std::uint32_t id_i, std::uint32_t id_j, Real& dx, Real& dy) {
+  const bool swapped = id_i > id_j;
+  const std::uint32_t low = swapped ? id_j : id_i;
+  const std::uint32_t high = swapped ? id_i : id_j;
+  const Philox4 bits = philox4x32({{low, high, 0, 0}}, 0x6E756467U, 0);
+  const Real x = static_cast<Real>(unit_float(bits.word[0])) - Real(0.5);
+  const Real y = static_cast<Real>(unit_float(bits.word[1])) - Real(0.5);
+  // Length about 0.01 d, never zero: far above the rounding of a position, far below a spacing.
+  const Real length = (swapped ? Real(-0.01) : Real(0.01)) / (std::sqrt(x * x + y * y) + Real(1e-3));
+  dx = (x + Real(1e-3)) * length;
+  dy = y * length;
+}
+
+/// One leapfrog step of the velocity [d per step, in units of the local spacing]: linear damping, then a cap on the
+/// length. A step that is not finite is dropped (velocity 0) and false returned, so no particle is ever moved by it.
+template <class Real>
+ABN_HD inline bool advance(Real& vx, Real& vy, Real force_x, Real force_y, Real step, Real damping, Real cap) {
+  vx = damping * vx + step * force_x;
+  vy = damping * vy + step * force_y;
+  const Real length = std::sqrt(vx * vx + vy * vy);
+  if (!(length < std::numeric_limits<Real>::infinity())) {
+    vx = vy = Real(0);
+    return false;
+  }
+  if (length > cap) {
+    vx *= cap / length;
+    vy *= cap / length;
+  }
+  return true;
+}
+
+/// The coordinate's place on the torus, in [0, length). Precondition: x finite.
+template <class Real>
+ABN_HD inline Real wrap(Real x, Real length) {
+  if (x >= Real(0) && x < length) return x;
+  x -= length * std::floor(x / length);
+  return x >= Real(0) && x < length ? x : Real(0);  // -1e-9 + length rounds to length, which is 0
+}
+
+}  // namespace abn::sph

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# test.sh  installs what is missing, builds everything, and runs every test: unit, contract, convergence, program, consumer,
+# the unit tests again under the address and undefined-behaviour sanitizers, and a short fuzz. Exit code 0 = all passed.
+set -euo pipefail
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")" && pwd)
+# shellcheck source=cmake/setup.sh
+. "$root/cmake/setup.sh"
+build
+cd "$root"
+status=0
+say "tests (build/release)"
+ctest --preset release || status=1
+
+say "unit tests under the sanitizers (build/sanitize)"
+{ cmake --preset sanitize && cmake --build build/sanitize -j "$(nproc)" --target sampling_test harness_test fuzz; } >&2
+ctest --preset sanitize -R '^(sampling_test|harness_test|fuzz_)' || status=1
+exit $status
