@@ -75,6 +75,16 @@ function(abn_add_benchmark name library files)
   target_link_libraries(${name} PRIVATE ${library} abn_internal benchmark::benchmark_main)
 endfunction()
 
+# abn_add_short_fuzz(name library source seeds): a fuzz target under our own driver, a few seconds of it as a test.
+function(abn_add_short_fuzz name library source)
+  if(ABN_TESTS)
+    add_executable(${name} ${source} ${PROJECT_SOURCE_DIR}/cmake/fuzz_driver.cpp)
+    target_link_libraries(${name} PRIVATE ${library} abn_internal)
+    add_test(NAME ${name} COMMAND ${name} 5 ${ARGN})
+    set_tests_properties(${name} PROPERTIES LABELS fuzz)
+  endif()
+endfunction()
+
 enable_testing()
 
 if(ABN_FUZZ)

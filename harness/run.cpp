@@ -96,7 +96,9 @@ std::unique_ptr<Subject> load_subject(const SubjectSpec& spec, bool with_truth) 
   subject->spec = spec;
   if (spec.scene.starts_with(kScenePrefix)) {
     const Scene& scene = find_scene(spec.scene.substr(kScenePrefix.size()));
-    subject->source = render_scene(scene);
+    // The formula is sampled itself; a small rendering only identifies it in records.
+    constexpr Extent kIdentifying{300, 300};
+    subject->source = spec.integrand == "analytic" ? render_scene(scene, kIdentifying) : render_scene(scene);
     subject->high_dynamic_range = scene.high_dynamic_range;
   } else {
     LoadedImage loaded =

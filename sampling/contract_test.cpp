@@ -40,7 +40,7 @@ ParameterWords words_for(const Strategy& strategy, const Case& c) {
   }
   if (strategy.info.name == "command") {
     return {{"command",
-             "awk 'BEGIN { srand({seed} % 1000003); for (i = 0; i < {n}; ++i) printf \"%.9f %.9f\\n\", rand() * "
+             "awk 'BEGIN { srand({seed} % 1000003 + 17); for (i = 0; i < {n}; ++i) printf \"%.9f %.9f\\n\", rand() * "
              "0.999999, rand() * 0.999999 }'"}};
   }
   return {};

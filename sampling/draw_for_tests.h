@@ -64,4 +64,14 @@ inline bool is_zero_net(const std::vector<Vec2f>& unit_points, unsigned m) {
   return true;
 }
 
+/// A set as its strategy made it: every second pixel of a strategy that alternates axes has x and y exchanged. `pixels`
+/// as by_pixel gives them.
+inline std::vector<std::vector<Vec2f>> with_axes_restored(std::vector<std::vector<Vec2f>> pixels, Extent plane) {
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if ((i % plane.width + i / plane.width) % 2 == 0) continue;
+    for (Vec2f& p : pixels[i]) p = {p.y, p.x};
+  }
+  return pixels;
+}
+
 }  // namespace abn

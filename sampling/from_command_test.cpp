@@ -16,6 +16,8 @@ template <class Error>
 std::string refusal(const std::string& command, double timeout_s = 60) {
   try {
     FromCommand sampler(task, {command, timeout_s});
+    const Grid<PixelStats> none(task.plane);
+    sampler.next({none});
   } catch (const Error& error) {
     return error.what();
   }

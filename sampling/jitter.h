@@ -18,12 +18,13 @@ class JitterBase : public UnitSquareSampler {
   JitterBase(const SamplingTask& task, const std::string& name, Domain domain);
   void points(std::uint64_t key, std::uint64_t first, std::uint64_t n, std::span<UnitPoint> out) const final;
   Strata strata(std::uint64_t n) const final;
+  bool alternates_axes() const final { return true; }
 
  private:
   std::array<std::uint64_t, 2> rows_{};  // of the smaller sets and of those with one point more
 };
 
-/// Jittered points in every pixel.
+/// Jittered points in every pixel: 6 = 2 x 3 cells in one pixel, 3 x 2 in its neighbours.
 class Jitter final : public JitterBase {
  public:
   static const StrategyInfo info;

@@ -22,7 +22,7 @@ std::size_t stratum(Vec2f p, std::size_t n, std::size_t rows) {
 TEST(Jitter, EveryStratumOfEveryPixelOnceForAllCounts) {
   const Extent plane{6, 5};
   for (std::size_t n = 1; n <= 64; ++n) {
-    for (const auto& pixel : by_pixel(draw<Jitter>(plane, plane.area() * n, n), plane)) {
+    for (const auto& pixel : with_axes_restored(by_pixel(draw<Jitter>(plane, plane.area() * n, n), plane), plane)) {
       ASSERT_EQ(pixel.size(), n);
       std::vector<int> hit(n);
       for (const Vec2f p : pixel) ++hit.at(stratum(p, n, jitter_rows(n, {1, 1})));
@@ -33,7 +33,7 @@ TEST(Jitter, EveryStratumOfEveryPixelOnceForAllCounts) {
 
 TEST(Jitter, MixedCountsEachHaveTheirStrata) {
   const Extent plane{20, 20};
-  for (const auto& pixel : by_pixel(draw<Jitter>(plane, 400 * 6 + 123, 1), plane)) {
+  for (const auto& pixel : with_axes_restored(by_pixel(draw<Jitter>(plane, 400 * 6 + 123, 1), plane), plane)) {
     const std::size_t n = pixel.size();
     std::vector<int> hit(n);
     for (const Vec2f p : pixel) ++hit.at(stratum(p, n, jitter_rows(n, {1, 1})));
@@ -76,6 +76,15 @@ TEST(JitterPlane, EveryStratumOnce) {
       ++hit.at(stratum(unit, n, jitter_rows(n, plane)));
     }
     EXPECT_EQ(std::count(hit.begin(), hit.end(), 1), static_cast<std::ptrdiff_t>(n)) << n;
+  }
+}
+
+TEST(Jitter, NeighbouringPixelsHaveTheirCellsTurned) {
+  const Extent plane{4, 4};
+  const auto pixels = by_pixel(draw<Jitter>(plane, plane.area() * 6, 3), plane);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const bool turned = (i % 4 + i / 4) % 2 == 1;
+    EXPECT_TRUE(cells_equally_filled(pixels[i], turned ? 3 : 2, turned ? 2 : 3)) << i;
   }
 }
 

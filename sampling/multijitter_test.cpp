@@ -13,7 +13,8 @@ TEST(MultiJitter, OneInEveryCellColumnAndRowOfEveryPixel) {
   const Extent plane{6, 5};
   for (std::size_t n = 1; n <= 64; ++n) {
     const auto [columns, rows] = most_square_factors(n);
-    for (const auto& pixel : by_pixel(draw<MultiJitter>(plane, plane.area() * n, n), plane)) {
+    for (const auto& pixel :
+         with_axes_restored(by_pixel(draw<MultiJitter>(plane, plane.area() * n, n), plane), plane)) {
       ASSERT_TRUE(cells_equally_filled(pixel, columns, rows)) << n;
       ASSERT_TRUE(cells_equally_filled(pixel, n, 1)) << n;
       ASSERT_TRUE(cells_equally_filled(pixel, 1, n)) << n;

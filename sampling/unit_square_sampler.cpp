@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cassert>
+#include <utility>
 
 #include "sampling/permutation.h"
 #include "sampling/strategy.h"
@@ -137,12 +138,17 @@ void UnitSquareSampler::emit(std::uint64_t set, std::uint64_t first, std::uint64
   const double origin_y = whole ? 0 : static_cast<double>(set / plane_.width);
   const double size_x = whole ? plane_.width : 1U;
   const double size_y = whole ? plane_.height : 1U;
-  const Strata kept = strata(n);
+  Strata kept = strata(n);
+  const bool exchanged = !whole && (set % plane_.width + set / plane_.width) % 2 == 1 && alternates_axes();
+  if (exchanged) std::swap(kept.x, kept.y);
 
   std::array<UnitPoint, kBlock> block;
   for (std::uint64_t start = 0; start < out.size(); start += kBlock) {
     const std::size_t size = std::min<std::uint64_t>(kBlock, out.size() - start);
     points(key, first + start, n, std::span(block.data(), size));
+    if (exchanged) {
+      for (auto& point : std::span(block.data(), size)) std::swap(point.x, point.y);
+    }
     place(block.data(), size, origin_x, origin_y, 0x1p-32 * size_x, 0x1p-32 * size_y, &out[start]);
     if (kept.x > 0) keep_strata(&block[0].x, size, kept.x, origin_x, size_x, &out[start].x);
     if (kept.y > 0) keep_strata(&block[0].y, size, kept.y, origin_y, size_y, &out[start].y);
