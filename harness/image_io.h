@@ -1,4 +1,5 @@
-// Images from and to files: the only door between the project and OpenImageIO.
+// Images from and to files: the door between the project and OpenImageIO (image_io.cpp reads, image_write.cpp writes;
+// oiio_compare.cpp alone stands beside them).
 //
 // Common rules. Images are linear light inside the program. A load gives the whole image or throws; a save leaves
 // the whole file or none. Every error is one IoError line: file, reason, remedy.
