@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <limits>
 
+#include "harness/error_structure.h"
 #include "harness/flip.h"
 #include "harness/oiio_compare.h"
 #include "harness/separable_filter.h"
@@ -126,6 +127,20 @@ std::vector<Metric> make_table() {
        [](const MetricInput& input) {
          return static_cast<double>(compare_perceptual(input.test, input.reference).failures);
        },
+       {}},
+      {"spectral_peak",
+       "",
+       "largest over mean power of the error's spectrum: 10 = noise, hundreds = a visible pattern",
+       "thesis fig. 3.5",
+       true,
+       [](const MetricInput& input) { return spectral_peak(input.test, input.reference); },
+       {}},
+      {"error_run_length",
+       "px",
+       "mean length of runs of large errors of one sign: below 2 = noise, more = stairs and bands",
+       "thesis fig. 3.2",
+       true,
+       [](const MetricInput& input) { return error_run_length(input.test, input.reference); },
        {}},
   };
 }

@@ -60,7 +60,9 @@ P parse_parameters(std::string_view owner, const std::vector<Field<P>>& fields, 
     if (!words.empty()) detail::throw_unknown_parameter(owner, words.begin()->first, {});
     return parameters;
   }
-  for (const auto& [key, word] : words) {
+  for (const auto& entry : words) {  // no structured binding: C++20 lambdas capture it, clang 14 does not
+    const std::string& key = entry.first;
+    const std::string& word = entry.second;
     const Field<P>* field = nullptr;
     std::vector<std::string> known;
     for (const auto& candidate : fields) {
