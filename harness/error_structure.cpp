@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 
 #include "harness/metrics.h"
@@ -41,7 +42,8 @@ double spectral_peak(const Image& test, const Image& reference) {
 double error_run_length(const Image& test, const Image& reference) {
   const cv::Mat1d error = luminance_error(test, reference);
   const double threshold = 0.5 * std::sqrt(error.dot(error) / static_cast<double>(error.total()));
-  if (!(threshold > 0)) return threshold;
+  if (!std::isfinite(threshold)) return std::numeric_limits<double>::quiet_NaN();
+  if (threshold == 0) return 0;
   const auto sign = [&](int y, int x) { return error(y, x) > threshold ? 1 : error(y, x) < -threshold ? -1 : 0; };
   double runs = 0;
   double members = 0;  // every pixel with a sign belongs to one run along its row and one along its column

@@ -2,6 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -56,15 +62,43 @@ std::string scene_name(const std::string& scene) {
   return scene.starts_with("scene:") ? scene.substr(6) : fs::path(scene).stem().string();
 }
 
-void prepare_folder(const ExperimentOptions& options) {
+/// Holds a folder for one process, until that ends: two that append to the same rows would lose some.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder)
+      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    // A file system without locks is trusted to have one user.
+    if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      ::close(descriptor_);
+      throw IoError(fmt::format(
+          "{}: another `abn run` writes its results there; wait for its end, or give another --out", folder.string()));
+    }
+  }
+  ~FolderLock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+/// Makes or checks the folder and takes it for this process; with `overwrite` the pictures and tables of earlier
+/// results are removed.
+std::unique_ptr<FolderLock> prepare_folder(const ExperimentOptions& options) {
   std::error_code error;
-  const bool there = fs::exists(options.out, error) && !fs::is_empty(options.out, error);
+  const bool there = fs::exists(options.out, error);
+  if (there && !fs::is_directory(options.out, error)) {
+    throw IoError(
+        fmt::format("{}: this is no folder; give the folder of the results with --out", options.out.string()));
+  }
   if (there && !options.resume && !options.overwrite) {
     throw ConfigError(fmt::format(
         "{}: the folder exists; go on with --resume, replace its results with --overwrite, or give another --out",
         options.out.string()));
   }
-  if (there && options.overwrite && !fs::exists(options.out / "runs.jsonl")) {
+  if (there && options.overwrite && !fs::is_empty(options.out) && !fs::exists(options.out / "runs.jsonl")) {
     throw ConfigError(
         fmt::format("{}: --overwrite replaces the results of an experiment, and this folder holds none (no "
                     "runs.jsonl); give another --out",
@@ -74,6 +108,7 @@ void prepare_folder(const ExperimentOptions& options) {
   if (error)
     throw IoError(fmt::format("{}: cannot be made: {}; give a writable folder with --out", options.out.string(),
                               error.message()));
+  auto lock = std::make_unique<FolderLock>(options.out);
   if (there && options.overwrite) {
     fs::remove_all(options.out / "images", error);
     fs::remove(options.out / "table.md", error);
@@ -81,10 +116,26 @@ void prepare_folder(const ExperimentOptions& options) {
       if (entry.path().filename().string().starts_with("overview")) fs::remove(entry.path(), error);
     }
   }
+  return lock;
 }
 
 std::string picture_stem(const std::string& scene, std::uint64_t samples, const std::string& label) {
   return fmt::format("{}_{}_{}", scene_name(scene), samples, file_name(label));
+}
+
+/// Throws if the pictures of two runs would have the same name.
+void require_own_pictures(const ExperimentSpec& spec) {
+  std::map<std::string, std::string> owners;
+  for (const auto& scene : spec.scenes) {
+    for (const auto& choice : spec.strategies) {
+      const std::string owner = fmt::format("'{}' of {}", choice.label, scene);
+      const auto [other, is_new] = owners.emplace(picture_stem(scene, 0, choice.label), owner);
+      if (is_new) continue;
+      throw ConfigError(fmt::format(
+          "the pictures of {} and {} would have the same file names; change a label or the name of an image",
+          other->second, owner));
+    }
+  }
 }
 
 /// The result (EXR and PNG), the signed difference (EXR), the error map (PNG).
@@ -145,7 +196,8 @@ fs::path draw_overviews(const ExperimentSpec& spec, const fs::path& out, const s
 
 ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOptions& options) {
   const std::vector<RunSpec> all = spec.expand();
-  prepare_folder(options);
+  if (spec.images) require_own_pictures(spec);
+  const auto lock = prepare_folder(options);
   RowFile file(options.out, csv_columns(spec, all), options.resume);
   ExperimentOutcome outcome;
 
@@ -166,7 +218,7 @@ ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOpt
   try {
     for (std::size_t i = 0; i < todo.size(); ++i) {
       const RunSpec& run_spec = *todo[i];
-      if (interrupted()) throw Interrupted{};
+      stop_if_interrupted();
       progress.update(i,
                       fmt::format("{} {} seed {}", scene_name(run_spec.subject.scene), run_spec.label, run_spec.seed));
       if (!subject || subject->spec != run_spec.subject) {
@@ -186,12 +238,13 @@ ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOpt
       row.update(to_json(result));
       row["input_hash"] = result.source_hash;
       row["build"] = reproducibility_record();
+      // Pictures first: where there is a row, a resumed experiment finds its pictures.
+      if (spec.images && run_spec.seed == spec.first_seed) save_pictures(images, result, *subject, spec.gain);
       file.append(row);
-      if (options.json) fmt::print("{}\n", row.dump());
-      if (spec.images && run_spec.seed == spec.first_seed) {
-        save_pictures(images, result, *subject, spec.gain);
+      if (options.json) {
+        fmt::print("{}\n", row.dump());
+        std::fflush(stdout);  // whoever reads the pipe wants finished rows, not blocks
       }
-      progress.update(i + 1);
     }
   } catch (const Interrupted&) {
     outcome.stopped = true;
@@ -199,9 +252,14 @@ ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOpt
   progress.clear();
 
   outcome.rows = file.rows().size();
-  outcome.table = summary_table(file.rows(), spec.baseline);
-  write_atomically(options.out / "table.md", outcome.table);
-  if (spec.images) outcome.overview = draw_overviews(spec, options.out, file.rows());
+  try {
+    outcome.table = summary_table(file.rows(), spec.baseline);
+    write_atomically(options.out / "table.md", outcome.table);
+    if (spec.images) outcome.overview = draw_overviews(spec, options.out, file.rows());
+  } catch (const Json::exception&) {
+    throw IoError(fmt::format("{}: a line of it is no row of an experiment; remove it, then go on with --resume",
+                              (options.out / "runs.jsonl").string()));
+  }
   return outcome;
 }
 

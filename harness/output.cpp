@@ -17,6 +17,15 @@ void require_writable_image(const std::string& path) {
   const AtomicFile probe(path);  // leaves nothing: it is never committed
 }
 
+void require_writable(const std::string& path) {
+  std::error_code ignored;
+  const auto type = std::filesystem::status(path, ignored).type();
+  using std::filesystem::file_type;
+  const bool is_stream = path.starts_with("/dev/") || path.starts_with("/proc/") || type == file_type::character ||
+                         type == file_type::block || type == file_type::fifo || type == file_type::socket;
+  if (!is_stream) const AtomicFile probe(path);
+}
+
 void write_picture(const std::string& path, const Image& image, bool high_dynamic_range) {
   if (is_linear_format(path) || !high_dynamic_range) {
     save_image(path, image);

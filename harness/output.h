@@ -16,6 +16,9 @@ bool is_linear_format(const std::string& path);
 /// so that a wrong name does not cost minutes.
 void require_writable_image(const std::string& path);
 
+/// The same for any file. Devices and pipes pass: what they take shows when it is written.
+void require_writable(const std::string& path);
+
 /// Writes a picture: linear formats keep its values, others are sRGB-encoded, and high dynamic range is tone-mapped by
 /// x/(1+x) first, so that it can be seen. Throws ConfigError, IoError.
 void write_picture(const std::string& path, const Image& image, bool high_dynamic_range);

@@ -21,23 +21,29 @@ int open_for_append(const std::filesystem::path& path) {
   return descriptor;
 }
 
-/// One line, whole or not at all: a short write (full disk) is cut off again.
-void append_line(int descriptor, const std::filesystem::path& path, const std::string& line) {
+/// Cuts a file back to `end`; best effort, a reader drops a cut-off line anyway.
+void cut_back(int descriptor, off_t end) {
+  if (end >= 0 && ::ftruncate(descriptor, end) != 0) return;
+}
+
+/// One line, whole or not at all: a short write (full disk) is cut off again. Returns where the line begins.
+off_t append_line(int descriptor, const std::filesystem::path& path, const std::string& line) {
   const off_t end = ::lseek(descriptor, 0, SEEK_END);
+  const auto fail = [&](int reason) {
+    cut_back(descriptor, end);
+    throw IoError(fmt::format("{}: cannot be written: {}; {}, then go on with --resume", path.string(),
+                              std::strerror(reason), write_remedy(reason)));
+  };
   std::size_t written = 0;
   while (written < line.size()) {
     const ssize_t count = ::write(descriptor, line.data() + written, line.size() - written);
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) {
-      const int reason = errno;
-      if (end >= 0 && ::ftruncate(descriptor, end) != 0) {
-      }  // best effort: a reader drops a cut-off line anyway
-      throw IoError(fmt::format("{}: cannot be written: {}; free some space, then go on with --resume", path.string(),
-                                std::strerror(reason)));
-    }
+    if (count <= 0) fail(count < 0 ? errno : EIO);
     written += static_cast<std::size_t>(count);
   }
-  ::fdatasync(descriptor);
+  // Some file systems cannot synchronise; a disk that fails says EIO or ENOSPC.
+  if (::fdatasync(descriptor) != 0 && errno != EINVAL && errno != ENOTSUP) fail(errno);
+  return end;
 }
 
 }  // namespace
@@ -49,7 +55,8 @@ RowFile::RowFile(const std::filesystem::path& folder, std::vector<std::string> c
     std::ifstream file(jsonl_path_);
     for (std::string line; std::getline(file, line);) {
       Json row = Json::parse(line, nullptr, false);
-      if (row.is_discarded() || !row.contains("key")) continue;  // cut off by a crash: that run is done again
+      // Cut off by a crash, or no row: that run is done again.
+      if (!row.is_object() || !row.contains("key") || !row["key"].is_string()) continue;
       keys_.insert(row["key"].get<std::string>());
       rows_.push_back(std::move(row));
       jsonl += line + '\n';
@@ -82,8 +89,13 @@ std::string RowFile::csv_line(const Json& row) const {
 }
 
 void RowFile::append(const Json& row) {
-  append_line(jsonl_, jsonl_path_, row.dump() + '\n');
-  append_line(csv_, csv_path_, csv_line(row));
+  const off_t begin = append_line(jsonl_, jsonl_path_, row.dump() + '\n');
+  try {
+    append_line(csv_, csv_path_, csv_line(row));
+  } catch (...) {
+    cut_back(jsonl_, begin);
+    throw;
+  }
   keys_.insert(row["key"].get<std::string>());
   rows_.push_back(row);
 }

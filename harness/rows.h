@@ -24,7 +24,7 @@ class RowFile {
 
   const std::vector<Json>& rows() const { return rows_; }
   bool has(const std::string& key) const { return keys_.contains(key); }
-  /// Appends a row to both files. Throws IoError; then the row is in neither (a half-written line is cut off).
+  /// Appends a row to both files. Throws IoError; then the row is in neither (what was written of it is cut off).
   void append(const Json& row);
 
  private:

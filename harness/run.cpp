@@ -14,7 +14,6 @@
 #include "harness/filter.h"
 #include "harness/image_io.h"
 #include "harness/metrics.h"
-#include "harness/progress.h"
 #include "harness/reconstruction.h"
 #include "harness/scenes.h"
 #include "sampling/error.h"
@@ -57,6 +56,10 @@ void validate(const SubjectSpec& spec) {
   if (spec.scene.empty()) throw ConfigError("no image is given; name an image file or scene:NAME (abn list scenes)");
   const bool is_scene = spec.scene.starts_with(kScenePrefix);
   if (is_scene) find_scene(spec.scene.substr(kScenePrefix.size()));
+  if (is_scene && !spec.channels.empty()) {
+    throw ConfigError(fmt::format("--channels {}: {} is no file with channels to choose from; leave it out",
+                                  spec.channels, spec.scene));
+  }
   const std::uint32_t spp = truth_spp(spec.truth);
   static_cast<void>(parse_on_nonfinite(spec.on_nonfinite));
   find_filter(spec.filter);
@@ -136,6 +139,13 @@ void validate(const RunSpec& spec) {
   resolve_backend(spec.backend);
 }
 
+void require_sampler(const RunSpec& spec) {
+  ParameterWords words = spec.parameters;
+  const Strategy& strategy = find_strategy(spec.strategy, words);
+  static_cast<void>(
+      strategy.make({.plane = spec.subject.to, .budget = spec.samples, .seed = spec.seed, .solver = nullptr}, words));
+}
+
 std::string canonical(const RunSpec& spec) {
   ParameterWords words = spec.parameters;
   const Strategy& strategy = find_strategy(spec.strategy, words);
@@ -162,8 +172,17 @@ std::string run_key(const RunSpec& spec) {
   return fmt::format("{:016x}", hash);
 }
 
+SampleBatch next_batch(Sampler& sampler, const Feedback& seen) {
+  try {
+    return sampler.next(seen);
+  } catch (const IoError&) {
+    stop_if_interrupted();
+    throw;
+  }
+}
+
 RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std::string>& metric_names,
-              PointSet* points) {
+              PointSet* points, Progress* progress) {
   validate(spec);
   RunResult result;
   result.spec = spec;
@@ -186,8 +205,10 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
   Stopwatch watch;
   const auto sampler = strategy.make(
       {.plane = subject.spec.to, .budget = spec.samples, .seed = spec.seed, .solver = backend.factory}, words);
+  std::uint64_t done = 0;
   for (;;) {
-    const SampleBatch batch = sampler->next({film.stats(), luminances});
+    if (progress != nullptr) progress->update(done, "sampling");
+    const SampleBatch batch = next_batch(*sampler, {film.stats(), luminances});
     result.time.generate_s += watch.lap();
     if (batch.empty()) break;
     values.resize(batch.position.size() * channels);
@@ -204,8 +225,9 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
       points->pixel.insert(points->pixel.end(), batch.pixel.begin(), batch.pixel.end());
     }
     ++result.passes;
+    done += batch.position.size();
     result.time.reconstruct_s += watch.lap();
-    if (interrupted()) throw Interrupted{};
+    stop_if_interrupted();
   }
   Developed developed = reconstruction.develop(film);
   result.time.reconstruct_s += watch.lap();
@@ -224,6 +246,8 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
          .warning = true});
   }
   for (const auto& name : metric_names) {
+    stop_if_interrupted();
+    if (progress != nullptr) progress->update(done, "score " + name);
     const Metric& metric = find_metric(name);
     const double score = subject.truth.image.texels.empty()
                              ? std::numeric_limits<double>::quiet_NaN()

@@ -8,6 +8,7 @@
 
 #include "harness/image.h"
 #include "harness/integrand.h"
+#include "harness/progress.h"
 #include "harness/truth.h"
 #include "sampling/strategy.h"
 
@@ -56,6 +57,10 @@ struct RunSpec {
 /// DeviceError.
 void validate(const RunSpec& spec);
 
+/// Builds the sampler of a spec once, without running it: throws ConfigError if the strategy cannot meet the budget,
+/// IoError for a file of points.
+void require_sampler(const RunSpec& spec);
+
 /// The canonical form of a spec (every parameter spelled out) and its 64-bit hash: the key of `--resume`.
 std::string canonical(const RunSpec& spec);
 std::string run_key(const RunSpec& spec);
@@ -90,9 +95,14 @@ struct RunResult {
   std::string source_hash;
 };
 
-/// Samples, reconstructs and scores. `points`, if given, receives every sample. Throws Interrupted between batches.
+/// The sampler's next batch. Throws what it throws, and Interrupted instead of the failure of a command that the user's
+/// Ctrl-C cut off.
+SampleBatch next_batch(Sampler& sampler, const Feedback& seen);
+
+/// Samples, reconstructs and scores. `points`, if given, receives every sample; `progress`, if given, is told of every
+/// batch, one step per sample. Throws Interrupted between batches.
 RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std::string>& metric_names,
-              PointSet* points = nullptr);
+              PointSet* points = nullptr, Progress* progress = nullptr);
 
 /// "200x200" -> Extent; throws ConfigError naming `what`.
 Extent parse_extent(const std::string& word, const std::string& what);

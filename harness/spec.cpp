@@ -117,6 +117,32 @@ StrategyChoice read_strategy(const toml::table& table, const std::string& file) 
   return choice;
 }
 
+/// An image that is missing must show before the first run, not between two.
+void require_file(const std::string& image) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(image, ignored))
+    throw IoError(fmt::format("cannot read image '{}': there is no such file; check the path", image));
+}
+
+/// Throws if a list names something twice: the same run would be done twice.
+template <class T>
+void require_distinct(const std::vector<T>& values, const std::string& key) {
+  std::set<T> seen;
+  for (const auto& value : values) {
+    if (!seen.insert(value).second) throw ConfigError(fmt::format("'{}' lists {} twice; leave one out", key, value));
+  }
+}
+
+std::string known_experiments() {
+  std::set<std::string> names;
+  for (const auto& folder : data_folders()) {
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "experiments", none))
+      if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
+  }
+  return fmt::format("{}", fmt::join(names, " "));
+}
+
 }  // namespace
 
 std::filesystem::path find_experiment(const std::string& word) {
@@ -126,7 +152,12 @@ std::filesystem::path find_experiment(const std::string& word) {
   if (!bare)
     throw IoError(fmt::format(
         "{}: no such experiment file; give a path, or a name from the experiments folder such as main", word));
-  return find_data(std::filesystem::path("experiments") / (word + ".toml"));
+  try {
+    return find_data(std::filesystem::path("experiments") / (word + ".toml"));
+  } catch (const IoError&) {
+    throw IoError(fmt::format("there is no experiment '{}'; known: {}; or give the path of a TOML file", word,
+                              known_experiments()));
+  }
 }
 
 ExperimentSpec load_experiment(const std::filesystem::path& path) {
@@ -179,7 +210,8 @@ ExperimentSpec load_experiment(const std::filesystem::path& path) {
     return value && *value >= 1 ? value : std::nullopt;
   });
   if (spp.empty() == samples.empty())
-    throw ConfigError(fmt::format("{}: give either spp = [6] or samples = [240000], not both", file));
+    throw ConfigError(
+        fmt::format("{}: give either spp = [6] or samples = [240000]{}", file, spp.empty() ? "" : ", not both"));
   for (const double value : spp) {
     const double budget = value * static_cast<double>(spec.to.area());
     if (budget != std::floor(budget)) {
@@ -262,11 +294,16 @@ std::vector<RunSpec> ExperimentSpec::expand() const {
 }
 
 void validate(const ExperimentSpec& spec) {
-  if (spec.name.empty() || spec.name.find('/') != std::string::npos)
-    throw ConfigError("'name' must be a folder name without '/'");
+  if (spec.name.empty() || spec.name == "." || spec.name == ".." || spec.name.find('/') != std::string::npos)
+    throw ConfigError(fmt::format("'name' is '{}'; give a folder name without '/'", spec.name));
   for (const auto& metric : spec.metrics) find_metric(metric);
+  require_distinct(spec.metrics, "metrics");
+  require_distinct(spec.scenes, "scenes");
+  require_distinct(spec.budgets, "samples or spp");
   std::set<std::string> labels;
   for (const auto& choice : spec.strategies) {
+    if (choice.label.empty())
+      throw ConfigError(fmt::format("strategy {} has an empty label; leave it out", choice.name));
     if (!labels.insert(choice.label).second) {
       throw ConfigError(fmt::format("two strategies are labelled '{}'; give each a label of its own", choice.label));
     }
@@ -281,9 +318,8 @@ void validate(const ExperimentSpec& spec) {
   one_seed.seeds = 1;
   for (const auto& run : one_seed.expand()) {
     validate(run);
-    ParameterWords words = run.parameters;
-    const Strategy& strategy = find_strategy(run.strategy, words);
-    static_cast<void>(strategy.make({.plane = spec.to, .budget = run.samples, .seed = run.seed}, words));
+    require_sampler(run);
+    if (!run.subject.scene.starts_with("scene:")) require_file(run.subject.scene);
   }
 }
 

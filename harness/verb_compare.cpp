@@ -6,6 +6,7 @@
 #include "harness/image_io.h"
 #include "harness/metrics.h"
 #include "harness/output.h"
+#include "harness/progress.h"
 #include "harness/record.h"
 #include "harness/verbs.h"
 #include "sampling/error.h"
@@ -19,7 +20,7 @@ int compare(const GlobalOptions& global, const CompareOptions& options) {
     for (const auto& metric : metrics()) chosen.push_back(&metric);
   }
   if (!options.error_map.empty()) require_writable_image(options.error_map);
-  const LoadOptions load{.channels = {}, .on_nonfinite = parse_on_nonfinite(options.on_nonfinite)};
+  const LoadOptions load{.channels = options.channels, .on_nonfinite = parse_on_nonfinite(options.on_nonfinite)};
   const LoadedImage test = load_image(options.test, load);
   const LoadedImage reference = load_image(options.reference, load);
   if (!global.quiet) {
@@ -29,11 +30,16 @@ int compare(const GlobalOptions& global, const CompareOptions& options) {
   const MetricInput input{test.image, reference.image, test.floating_point || reference.floating_point};
   Json scores = Json::object();
   double first = 0;
+  Progress progress("compare", chosen.size(), global.quiet);
+  std::size_t done = 0;
   for (const Metric* metric : chosen) {
+    progress.update(done++, metric->name);
     const double score = metric->score(input);
     if (metric == chosen.front()) first = score;
     scores[metric->name] = std::isfinite(score) ? Json(score) : Json(nullptr);
   }
+  progress.clear();
+  stop_if_interrupted();
   const WorstPixel worst = worst_pixel(test.image, reference.image);
   if (!options.error_map.empty()) write_error_map(options.error_map, test.image, reference.image, options.gain);
 

@@ -3,9 +3,13 @@
 
 #include <charconv>
 #include <cmath>
+#include <filesystem>
+#include <string_view>
+#include <utility>
 
 #include "harness/metrics.h"
 #include "harness/output.h"
+#include "harness/progress.h"
 #include "harness/record.h"
 #include "harness/run.h"
 #include "harness/verbs.h"
@@ -30,6 +34,23 @@ void print_result(const RunResult& result) {
       "thread{})\n",
       1e3 * result.time.generate_s, 1e3 * result.time.evaluate_s, 1e3 * result.time.reconstruct_s,
       1e3 * result.time.total_s, result.threads, result.threads == 1 ? "" : "s");
+}
+
+/// Outputs are checked before the work: a wrong name must not cost minutes.
+void check_outputs(const DownscaleOptions& options) {
+  std::map<std::filesystem::path, std::string> flags;
+  for (const auto& [flag, path] : {std::pair{"-o", options.output}, std::pair{"--error-map", options.error_map},
+                                   std::pair{"--points", options.points}}) {
+    if (path.empty()) continue;
+    const auto [other, is_new] = flags.emplace(std::filesystem::path(path).lexically_normal(), flag);
+    if (!is_new)
+      throw ConfigError(fmt::format("{} and {} name the same file '{}'; give two", other->second, flag, path));
+    if (std::string_view(flag) == "--points") {
+      require_writable(path);
+    } else {
+      require_writable_image(path);
+    }
+  }
 }
 
 }  // namespace
@@ -78,19 +99,22 @@ int downscale(const GlobalOptions& global, const DownscaleOptions& options) {
   spec.reconstruction = options.reconstruction;
   spec.backend = global.backend;
   validate(spec);
-  // Outputs are checked before the work: a wrong name must not cost minutes.
-  for (const auto& path : {options.output, options.error_map}) {
-    if (!path.empty()) require_writable_image(path);
-  }
+  check_outputs(options);
+  require_sampler(spec);
 
+  Progress progress("downscale", spec.samples, global.quiet);
+  progress.update(0, "loading " + options.image);
   const auto subject = load_subject(spec.subject);
+  progress.clear();
+  stop_if_interrupted();
   if (!global.quiet) {
     for (const auto& notice : subject->notices) fmt::print(stderr, "abn: {}: {}\n", options.image, notice);
   }
   std::vector<std::string> names;
   for (const auto& metric : metrics()) names.push_back(metric.name);
   PointSet points;
-  const RunResult result = run(spec, *subject, names, options.points.empty() ? nullptr : &points);
+  const RunResult result = run(spec, *subject, names, options.points.empty() ? nullptr : &points, &progress);
+  progress.clear();
   if (!global.quiet) {
     for (const auto& diagnostic : result.diagnostics) {
       if (diagnostic.warning)

@@ -22,6 +22,7 @@ namespace {
 struct Kind {
   std::string name;
   std::function<Json()> rows;
+  std::function<void(Json&)> add_details = {};  // of the one row that is shown in full
 };
 
 std::string range_text(const FieldDescription& field) {
@@ -66,9 +67,16 @@ Json scene_rows() {
                     {"family", scene.kind},
                     {"summary", scene.summary},
                     {"cite", scene.cite},
+                    {"channels", scene.channels},
                     {"high_dynamic_range", scene.high_dynamic_range}});
   }
   return rows;
+}
+
+/// The named crops of a scene: read from a file, so only for the one that is asked for.
+void add_regions(Json& row) {
+  row["regions"] = Json::array();
+  for (const auto& region : regions(find_scene(row["name"].get<std::string>()))) row["regions"].push_back(region.name);
 }
 
 template <class Table>
@@ -93,7 +101,7 @@ Json metric_rows() {
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table = {
       {"strategies", strategy_rows},
-      {"scenes", scene_rows},
+      {"scenes", scene_rows, add_regions},
       {"filters", [] { return plain_rows(filters()); }},
       {"reconstructions", [] { return plain_rows(reconstructions()); }},
       {"metrics", metric_rows},
@@ -118,10 +126,10 @@ void print_one(const Json& row) {
       continue;
     std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     if (value.is_array()) text = fmt::format("{}", fmt::join(value.get<std::vector<std::string>>(), ", "));
-    fmt::print("{:<16} {}\n", key, text);
+    fmt::print("{:<18} {}\n", key, text);
   }
   if (!row.contains("parameters")) return;
-  fmt::print("parameters{}\n", row["parameters"].empty() ? "       none" : "  (--set NAME=VALUE)");
+  fmt::print("parameters{}\n", row["parameters"].empty() ? "         none" : "  (--set NAME=VALUE)");
   for (const auto& parameter : row["parameters"]) {
     fmt::print("  {:<18} default {:<12} {}  [{}]\n", parameter["name"].get<std::string>(),
                parameter["default"].get<std::string>(), parameter["help"].get<std::string>(),
@@ -149,7 +157,7 @@ int list(const GlobalOptions& global, const ListOptions& options) {
   for (const auto& kind : kinds()) {
     known += " " + kind.name;
     if (kind.name != options.kind) continue;
-    const Json rows = kind.rows();
+    Json rows = kind.rows();
     if (options.name.empty()) {
       if (global.json) {
         fmt::print("{}\n", rows.dump());
@@ -159,11 +167,12 @@ int list(const GlobalOptions& global, const ListOptions& options) {
       return 0;
     }
     std::string names;
-    for (const auto& row : rows) {
+    for (auto& row : rows) {
       const auto aliases = row.value("aliases", std::vector<std::string>{});
       names += " " + row["name"].get<std::string>();
       if (row["name"] != options.name && std::find(aliases.begin(), aliases.end(), options.name) == aliases.end())
         continue;
+      if (kind.add_details) kind.add_details(row);
       if (global.json) {
         fmt::print("{}\n", row.dump());
       } else {

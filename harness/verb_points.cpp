@@ -1,7 +1,10 @@
 // abn points: a strategy's samples as a file.
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "harness/backend.h"
+#include "harness/output.h"
 #include "harness/progress.h"
 #include "harness/record.h"
 #include "harness/run.h"
@@ -14,9 +17,11 @@ namespace abn::harness {
 namespace {
 
 /// Luminance of an image or scene as a density; negative luminances cannot be one.
-Grid<float> load_density(const std::string& name) {
+Grid<float> load_density(const PointsOptions& options) {
   SubjectSpec spec;
-  spec.scene = name;
+  spec.scene = options.density;
+  spec.channels = options.channels;
+  spec.on_nonfinite = options.on_nonfinite;
   const auto subject = load_subject(spec, false);
   const Image& source = subject->source;
   Grid<float> density(source.size);
@@ -33,25 +38,31 @@ int points(const GlobalOptions& global, const PointsOptions& options) {
   static_cast<void>(strategy.resolve(words));
   const PointFormat format = options.format.empty() ? format_for(options.output) : parse_point_format(options.format);
   const Backend backend = resolve_backend(global.backend);
+  require_writable(options.output);
 
   // The unit square is a plane of one pixel.
   const SamplingTask task{.plane = {1, 1}, .budget = options.count, .seed = options.seed, .solver = backend.factory};
   const auto sampler = strategy.make(task, words);
+  // Read before the work: a wrong name must not cost minutes.
+  std::optional<DensityWarp> warp;
+  if (!options.density.empty()) warp.emplace(load_density(options));
   const Grid<PixelStats> nothing(task.plane);
   PointSet set;
   Progress progress(options.strategy, options.count, global.quiet);
-  for (auto batch = sampler->next({nothing}); !batch.empty(); batch = sampler->next({nothing})) {
-    if (interrupted()) throw Interrupted{};
+  progress.update(0);
+  for (auto batch = next_batch(*sampler, {nothing}); !batch.empty(); batch = next_batch(*sampler, {nothing})) {
+    stop_if_interrupted();
     set.position.insert(set.position.end(), batch.position.begin(), batch.position.end());
     set.weight.insert(set.weight.end(), batch.weight.begin(), batch.weight.end());
     progress.update(set.position.size());
   }
-  progress.clear();
-  if (!options.density.empty()) {
-    const DensityWarp warp(load_density(options.density));
-    for (auto& position : set.position) position = warp(position);
+  if (warp) {
+    for (auto& position : set.position) position = (*warp)(position);
   }
+  stop_if_interrupted();
+  progress.update(options.count, "writing");
   const std::string notice = write_points(options.output, set.view(), task.plane, format);
+  progress.clear();
   if (!notice.empty() && !global.quiet) fmt::print(stderr, "abn: {}: {}\n", options.output, notice);
   if (global.json) {
     fmt::print("{}\n", Json({{"strategy", options.strategy},
@@ -60,7 +71,9 @@ int points(const GlobalOptions& global, const PointsOptions& options) {
                              {"file", options.output}})
                            .dump());
   } else if (!global.quiet) {
-    fmt::print("wrote {} points to {}\n", set.position.size(), options.output);
+    // The points themselves may be on stdout.
+    fmt::print(options.output.starts_with("/dev/") ? stderr : stdout, "wrote {} points to {}\n", set.position.size(),
+               options.output);
   }
   return 0;
 }

@@ -5,6 +5,7 @@
 
 #include "harness/image_io.h"
 #include "harness/output.h"
+#include "harness/progress.h"
 #include "harness/record.h"
 #include "harness/run.h"
 #include "harness/scenes.h"
@@ -44,7 +45,11 @@ void report(const GlobalOptions& global, const std::string& name, const Image& i
 int scene(const GlobalOptions& global, const SceneOptions& options) {
   const Scene& row = find_scene(options.name.starts_with("scene:") ? options.name.substr(6) : options.name);
   require_writable_image(options.output);
+  Progress progress("scene " + row.name, 0, global.quiet);
+  progress.update(0, "rendering");
   const Image image = render_scene(row, {options.size, options.size});
+  progress.clear();
+  stop_if_interrupted();
   save_for_people(options.output, image, row.high_dynamic_range, global.quiet);
   report(global, row.name, image, options.output, Json::object());
   return 0;
@@ -52,6 +57,8 @@ int scene(const GlobalOptions& global, const SceneOptions& options) {
 
 int truth(const GlobalOptions& global, const TruthOptions& options) {
   require_writable_image(options.output);
+  Progress progress("truth of " + options.image, 0, global.quiet);
+  progress.update(0);
   const auto subject = load_subject({.scene = options.image,
                                      .to = parse_extent(options.to, "--to"),
                                      .integrand = options.integrand,
@@ -59,6 +66,8 @@ int truth(const GlobalOptions& global, const TruthOptions& options) {
                                      .filter = options.filter,
                                      .channels = options.channels,
                                      .on_nonfinite = options.on_nonfinite});
+  progress.clear();
+  stop_if_interrupted();
   if (!global.quiet) {
     for (const auto& notice : subject->notices) fmt::print(stderr, "abn: {}: {}\n", options.image, notice);
   }

@@ -35,13 +35,13 @@ struct RunOptions {
 };
 
 struct PointsOptions {
-  std::string strategy, density, format, output;
+  std::string strategy, density, channels, on_nonfinite = "refuse", format, output;
   std::uint64_t count = 0, seed = 1;
   std::vector<std::string> set;
 };
 
 struct CompareOptions {
-  std::string test, reference, error_map, on_nonfinite = "refuse";
+  std::string test, reference, error_map, channels, on_nonfinite = "refuse";
   std::vector<std::string> metrics;
   double gain = 10;
   std::optional<double> fail;
