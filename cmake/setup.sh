@@ -8,6 +8,8 @@ packages=(
   libcli11-dev libtomlplusplus-dev nlohmann-json3-dev libfmt-dev
   libgtest-dev libbenchmark-dev                                # tests, benchmarks
 )
+# Threads that wait sleep: spinning (the default) makes everything many times slower as soon as another process wants a core.
+export OMP_WAIT_POLICY=${OMP_WAIT_POLICY:-passive}
 build_dir=$root/build/release
 stamp=$build_dir/.abn-built
 
