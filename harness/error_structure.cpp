@@ -22,10 +22,23 @@ cv::Mat1d luminance_error(const Image& test, const Image& reference) {
   return error;
 }
 
+/// The largest size <= n without prime factors above 5.
+int fast_size(int n) {
+  const auto is_fast = [](int size) {
+    for (const int factor : {2, 3, 5}) {
+      while (size % factor == 0) size /= factor;
+    }
+    return size == 1;
+  };
+  while (!is_fast(n)) --n;
+  return n;
+}
+
 }  // namespace
 
 double spectral_peak(const Image& test, const Image& reference) {
-  cv::Mat1d error = luminance_error(test, reference);
+  const cv::Mat1d whole = luminance_error(test, reference);
+  cv::Mat1d error = whole(cv::Rect(0, 0, fast_size(whole.cols), fast_size(whole.rows))).clone();
   error -= cv::mean(error)[0];
   cv::Mat2d spectrum;
   cv::dft(error, spectrum, cv::DFT_COMPLEX_OUTPUT);

@@ -45,6 +45,13 @@ TEST(SpectralPeak, EqualImagesAndAConstantErrorHaveNone) {
   EXPECT_THROW(spectral_peak(kBlack, Image({64, 47}, 1)), ConfigError);
 }
 
+TEST(SpectralPeak, SidesWithLargePrimeFactorsAreCutToFastOnes) {
+  const Image wave = filled({67, 53}, [](auto x, auto y) {
+    return 0.5 + 0.2 * std::cos(2 * std::numbers::pi * (5.0 * x / 64 + 6.0 * y / 50));
+  });
+  EXPECT_NEAR(spectral_peak(wave, Image({67, 53}, 1)), 64 * 50 / 2.0, 1);
+}
+
 TEST(ErrorRunLength, StripesHaveRunsOfTheirOwnLength) {
   // Rows of alternating sign: 64 px along the rows, 1 px along the columns; harmonic in the number of runs.
   const Image stripes = filled(kSize, [](auto, auto y) { return y % 2 == 0 ? 0.1 : -0.1; });
