@@ -119,7 +119,7 @@ std::vector<T> encode_srgb(const Image& image) {
     const double linear = std::clamp(double{image.texels[i]}, 0.0, 1.0);
     const double value = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
     // A NaN survives clamp() and fails this comparison: it becomes black, not an undefined conversion.
-    encoded[i] = value > 0 ? static_cast<T>(value * double{top} + 0.5) : T{0};
+    encoded[i] = value > 0 ? static_cast<T>(std::lround(value * double{top})) : T{0};
   }
   return encoded;
 }
