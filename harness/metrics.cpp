@@ -128,6 +128,15 @@ std::vector<Metric> make_table() {
          return static_cast<double>(compare_perceptual(input.test, input.reference).failures);
        },
        {}},
+      {"differing_pixels",
+       "px",
+       "pixels with a value that differs by more than 1e-6, as `idiff` counts failures",
+       "OpenImageIO",
+       true,
+       [](const MetricInput& input) {
+         return static_cast<double>(compare_thresholds(input.test, input.reference).failures);
+       },
+       {}},
       {"spectral_peak",
        "",
        "largest over mean power of the error's spectrum: 10 = noise, hundreds = a visible pattern",

@@ -81,7 +81,8 @@ TEST(Metrics, MapsAverageToTheScore) {
 
 TEST(Metrics, EqualImagesAreBest) {
   const Image same = noise({40, 30}, 3, 3);
-  for (const char* name : {"rmse", "mae", "bias", "relmse", "smape", "rmse_tonemapped", "flip", "yee_failures"}) {
+  for (const char* name : {"rmse", "mae", "bias", "relmse", "smape", "rmse_tonemapped", "flip", "yee_failures",
+                           "differing_pixels", "spectral_peak", "error_run_length"}) {
     EXPECT_EQ(score(name, same, same), 0.0) << name;
   }
   EXPECT_NEAR(score("ssim", same, same), 1.0, 1e-12);
@@ -128,7 +129,8 @@ TEST(Metrics, NonFiniteValuesGiveNonFiniteScores) {
       for (const Metric& metric : metrics()) {
         const double value = metric.score({test, reference, high_dynamic_range});
         const bool clamps = std::isinf(bad) && metric.name == "flip" && !high_dynamic_range;  // a display shows white
-        if (metric.name != "yee_failures" && !clamps) {
+        const bool counts = metric.unit == "px" && metric.name != "error_run_length";  // a number of pixels is finite
+        if (!counts && !clamps) {
           EXPECT_FALSE(std::isfinite(value)) << metric.name;
         }
         if (metric.map) metric.map({test, reference, high_dynamic_range});
@@ -266,6 +268,7 @@ TEST(OiioCompare, CountsMatchIdiff) {
   EXPECT_EQ(compare_thresholds(test, reference).failures, 29535U);  // idiff apple200-test.exr apple200-ref.exr
   EXPECT_EQ(compare_perceptual(test, reference).failures, 1132U);   // idiff -p
   EXPECT_EQ(score("yee_failures", test, reference, true), 1132.0);
+  EXPECT_EQ(score("differing_pixels", test, reference, true), 29535.0);
 }
 
 TEST(OiioCompare, GreyIsReplicatedForTheViewer) {

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <string_view>
@@ -36,7 +37,7 @@ void request_stop(int signal_number) {
 }
 
 std::string duration_text(Seconds duration) {
-  const auto whole = static_cast<long>(std::max(0.0, duration.count()) + 0.5);
+  const auto whole = std::lround(std::max(0.0, duration.count()));
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
