@@ -134,12 +134,14 @@ void UnitSquareSampler::emit(std::uint64_t set, std::uint64_t first, std::uint64
   const std::uint64_t high = rng.next();
   const std::uint64_t key = high << 32 | rng.next();
   const bool whole = domain_ == Domain::plane;
-  const double origin_x = whole ? 0 : static_cast<double>(set % plane_.width);
-  const double origin_y = whole ? 0 : static_cast<double>(set / plane_.width);
+  const std::uint64_t column = set % plane_.width;
+  const std::uint64_t row = set / plane_.width;
+  const double origin_x = whole ? 0 : static_cast<double>(column);
+  const double origin_y = whole ? 0 : static_cast<double>(row);
   const double size_x = whole ? plane_.width : 1U;
   const double size_y = whole ? plane_.height : 1U;
   Strata kept = strata(n);
-  const bool exchanged = !whole && (set % plane_.width + set / plane_.width) % 2 == 1 && alternates_axes();
+  const bool exchanged = !whole && (column + row) % 2 == 1 && alternates_axes();
   if (exchanged) std::swap(kept.x, kept.y);
 
   std::array<UnitPoint, kBlock> block;
