@@ -9,10 +9,10 @@
 
 namespace abn {
 
-/// n = columns * rows points (the most square factorisation, 6 = 2 x 3 in one pixel, 3 x 2 in its neighbours): one in every cell of that
-/// grid, and at once one in each of n columns and one in each of n rows. Every column of cells shuffles its x strata,
-/// every row its y strata, independently (cmj uses one shuffle for all, which costs half an order of convergence).
-/// A prime n leaves one column of cells: a Latin hypercube.
+/// n = columns * rows points (the most square factorisation, 6 = 2 x 3 in one pixel, 3 x 2 in its neighbours): one in
+/// every cell of that grid, and at once one in each of n columns and one in each of n rows. Every column of cells
+/// shuffles its x strata, every row its y strata, independently (cmj uses one shuffle for all, which costs half an
+/// order of convergence). A prime n leaves one column of cells: a Latin hypercube.
 class MultiJitter final : public UnitSquareSampler {
  public:
   static const StrategyInfo info;

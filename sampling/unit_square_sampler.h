@@ -72,8 +72,8 @@ class UnitSquareSampler : public Sampler {
   /// Strata of the sets of n points to be respected; powers of two are without being named.
   virtual Strata strata(std::uint64_t) const { return {}; }
 
-  /// Whether every second pixel, like the black squares of a chessboard, gets its set with x and y exchanged. For sets of
-  /// a x b cells with a < b: without it the picture's orientation decides (apple at 6 spp, jitter: RMSE .0242 with
+  /// Whether every second pixel, like the black squares of a chessboard, gets its set with x and y exchanged. For sets
+  /// of a x b cells with a < b: without it the picture's orientation decides (apple at 6 spp, jitter: RMSE .0242 with
   /// 2 x 3 cells in every pixel, .0269 alternating).
   virtual bool alternates_axes() const { return false; }
 
