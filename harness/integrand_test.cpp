@@ -17,7 +17,8 @@ namespace {
 Image numbered(Extent size, std::uint32_t channels) {
   Image image(size, channels);
   for (std::size_t i = 0; i < image.texels.size(); ++i) {
-    image.texels[i] = static_cast<float>(i / channels) + 0.25F * static_cast<float>(i % channels);
+    const std::size_t texel = i / channels;
+    image.texels[i] = static_cast<float>(texel) + 0.25F * static_cast<float>(i % channels);
   }
   return image;
 }
