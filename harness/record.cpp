@@ -62,6 +62,7 @@ Json to_json(const RunResult& result) {
   json["reconstruction"] = result.reconstruction;
   json["integrand"] = spec.subject.integrand;
   json["truth"] = spec.subject.truth;
+  json["truth_standard_error"] = result.truth_standard_error;
   json["backend"] = result.backend;
   json["threads"] = result.threads;
   json["params"] = Json::object();

@@ -195,6 +195,7 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
   result.backend = backend.name;
   result.threads = omp_get_max_threads();
   result.source_hash = subject.source_hash;
+  result.truth_standard_error = standard_error_rms(subject.truth);
 
   // The one loop: generate -> evaluate -> accumulate -> feed back.
   const Integrand& integrand = *subject.integrand;

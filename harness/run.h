@@ -92,6 +92,7 @@ struct RunResult {
   std::uint64_t empty_pixels = 0;
   std::uint64_t max_samples_per_pixel = 0;
   std::vector<Diagnostic> diagnostics;
+  double truth_standard_error = 0;  // standard_error_rms() of the truth it was measured against; 0 = exact
   std::string source_hash;
 };
 

@@ -105,9 +105,9 @@ TEST(Run, JsonHasEveryKeyOfTheInterface) {
   std::vector<std::string> names;
   for (const auto& metric : metrics()) names.push_back(metric.name);
   const Json json = to_json(run(spec_for("jitter", "scene:ramp", {20, 20}, 2400), *subject, names));
-  for (const char* key :
-       {"strategy", "scene", "width", "height", "seed", "samples", "spp", "filter", "reconstruction", "backend",
-        "threads", "params", "scores", "time", "passes", "empty_pixels", "max_samples_per_pixel", "diagnostics"}) {
+  for (const char* key : {"strategy", "scene", "truth_standard_error", "width", "height", "seed", "samples", "spp",
+                          "filter", "reconstruction", "backend", "threads", "params", "scores", "time", "passes",
+                          "empty_pixels", "max_samples_per_pixel", "diagnostics"}) {
     EXPECT_TRUE(json.contains(key)) << key;
   }
   for (const char* key : {"rmse", "mae", "psnr", "bias", "relmse", "smape", "ssim", "flip"})

@@ -231,4 +231,11 @@ GroundTruth monte_carlo_truth(const Integrand& integrand, std::uint64_t spp, std
   return truth;
 }
 
+double standard_error_rms(const GroundTruth& truth) {
+  if (truth.standard_error.texels.empty()) return 0;
+  double sum = 0;
+  for (const float error : truth.standard_error.texels) sum += static_cast<double>(error) * static_cast<double>(error);
+  return std::sqrt(sum / static_cast<double>(truth.standard_error.texels.size()));
+}
+
 }  // namespace abn::harness

@@ -15,6 +15,10 @@ struct GroundTruth {
   std::string method;    // "exact" or "monte_carlo:SPP"
 };
 
+/// Root mean square over pixels and channels of a truth's standard error: what the truth itself adds to every RMSE
+/// measured against it. 0 if the truth is exact.
+double standard_error_rms(const GroundTruth& truth);
+
 /// The mean of the interpolated `image` over every pixel of a plane of size `to`: closed form, any size ratio, both
 /// ways. Each axis has integer weights (areas of texels, or of the bilinear hats, inside a pixel, in fractions of a
 /// texel), so that only the final sum in double and its rounding to float are inexact. Bit-identical for any number of

@@ -229,5 +229,13 @@ TEST(MonteCarloTruth, SeedsDifferAndTooFewSamplesAreRefused) {
   EXPECT_THROW(monte_carlo_truth(integrand, 0, 1), ConfigError);
 }
 
+TEST(GroundTruth, StandardErrorIsSummedUpOverPixelsAndChannels) {
+  GroundTruth truth;
+  EXPECT_EQ(standard_error_rms(truth), 0);  // exact
+  truth.standard_error = Image({2, 1}, 1);
+  truth.standard_error.texels = {3.0F, 4.0F};
+  EXPECT_DOUBLE_EQ(standard_error_rms(truth), std::sqrt(12.5));
+}
+
 }  // namespace
 }  // namespace abn::harness

@@ -1,8 +1,6 @@
 // abn scene and abn truth: pictures that need no strategy.
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "harness/image_io.h"
 #include "harness/output.h"
 #include "harness/progress.h"
@@ -74,10 +72,7 @@ int truth(const GlobalOptions& global, const TruthOptions& options) {
   save_for_people(options.output, subject->truth.image, subject->high_dynamic_range, global.quiet);
   Json extra = {{"method", subject->truth.method}, {"filter", options.filter}, {"input_hash", subject->source_hash}};
   if (!subject->truth.standard_error.texels.empty()) {
-    double sum = 0;
-    for (const float error : subject->truth.standard_error.texels)
-      sum += static_cast<double>(error) * static_cast<double>(error);
-    extra["standard_error_rms"] = std::sqrt(sum / static_cast<double>(subject->truth.standard_error.texels.size()));
+    extra["standard_error_rms"] = standard_error_rms(subject->truth);
     if (!global.json && !global.quiet)
       fmt::print("standard error, root mean square over pixels: {:.6g}\n", extra["standard_error_rms"].get<double>());
   }
