@@ -36,7 +36,7 @@ function(abn_configure_harness target)
   target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR} PRIVATE ${PROJECT_BINARY_DIR}/generated)
   target_compile_definitions(${target} PRIVATE ABN_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
     ABN_INSTALL_DATADIR="${CMAKE_INSTALL_FULL_DATADIR}/abn" $<$<BOOL:${ABN_HAVE_CUDA}>:ABN_HAVE_CUDA>)
-  target_link_libraries(${target} PUBLIC abn_sampling nlohmann_json::nlohmann_json fmt::fmt abn_opencv abn_openimageio
+  target_link_libraries(${target} PUBLIC abn_analysis abn_sampling nlohmann_json::nlohmann_json fmt::fmt abn_opencv abn_openimageio
     PRIVATE abn_internal Eigen3::Eigen tomlplusplus::tomlplusplus CLI11::CLI11)
   if(ABN_HAVE_CUDA)
     target_link_libraries(${target} PRIVATE abn_sph_cuda)

@@ -19,8 +19,12 @@ target_compile_options(abn_internal INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-ffp-con
   -Wall;-Wextra;-Wpedantic;-Wconversion;-Wshadow;$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>>)
 
 # abn_collect(folder sources tests benchmarks): the files of a folder by their role; main programs and fuzz targets are named elsewhere.
+# sampling/analysis is a target of its own (it may use Eigen).
 function(abn_collect folder sources_out tests_out benchmarks_out)
   file(GLOB_RECURSE all CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
+  if(folder STREQUAL sampling)
+    list(FILTER all EXCLUDE REGEX "/sampling/analysis/")
+  endif()
   set(tests ${all})
   list(FILTER tests INCLUDE REGEX "_test\\.cpp$")
   set(benchmarks ${all})
@@ -38,19 +42,26 @@ function(abn_configure_sampling target)
   set_target_properties(${target} PROPERTIES EXPORT_NAME sampling)
   # The hot loops: these two flags let GCC vectorise them and change no result (no NaN test is dropped).
   file(GLOB_RECURSE kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/sampling/sph/*.cpp)
-  set_source_files_properties(${kernels} PROPERTIES COMPILE_OPTIONS "-O3;-fopenmp-simd;-fno-trapping-math")
+  set_source_files_properties(${kernels} ${PROJECT_SOURCE_DIR}/sampling/gbn.cpp PROPERTIES COMPILE_OPTIONS "-O3;-fopenmp-simd;-fno-trapping-math")
 endfunction()
 
-# abn_add_tests(name library files): <name>_test runs the unit tests; contract, convergence and figures tests are binaries and labels of their own.
+function(abn_configure_analysis target)
+  find_package(Eigen3 3.3 REQUIRED)
+  target_link_libraries(${target} PUBLIC abn_sampling PRIVATE abn_internal $<BUILD_INTERFACE:Eigen3::Eigen>)
+  set_target_properties(${target} PROPERTIES EXPORT_NAME analysis)
+  set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "-O3;-fopenmp-simd;-fno-trapping-math")
+endfunction()
+
+# abn_add_tests(name library files): <name>_test runs the unit tests; contract, convergence, figures and quality tests are binaries and labels of their own.
 function(abn_add_tests name library files)
   if(NOT ABN_TESTS OR NOT files)
     return()
   endif()
   find_package(GTest REQUIRED)
   set(unit ${files})
-  list(FILTER unit EXCLUDE REGEX "(contract|convergence|figures)_test\\.cpp$")
+  list(FILTER unit EXCLUDE REGEX "(contract|convergence|figures|quality)_test\\.cpp$")
   foreach(file IN LISTS files)
-    if(file MATCHES "(contract|convergence|figures)_test\\.cpp$")
+    if(file MATCHES "(contract|convergence|figures|quality)_test\\.cpp$")
       get_filename_component(binary ${file} NAME_WE)
       string(REPLACE _test "" label ${binary})
       add_executable(${binary} ${file})
