@@ -1,13 +1,16 @@
 // THE TABLE: one row per strategy, in the order of `abn list`, and the look-up by name.
 #include <algorithm>
 
+#include "sampling/ccvt.h"
 #include "sampling/cmj.h"
 #include "sampling/dart.h"
 #include "sampling/from_command.h"
 #include "sampling/from_file.h"
+#include "sampling/gbn.h"
 #include "sampling/halton.h"
 #include "sampling/hammersley.h"
 #include "sampling/jitter.h"
+#include "sampling/lloyd.h"
 #include "sampling/multijitter.h"
 #include "sampling/nrooks.h"
 #include "sampling/pmj02.h"
@@ -30,10 +33,11 @@ void require_task(std::string_view strategy, const SamplingTask& task) {
 
 const std::vector<Strategy>& strategies() {
   static const std::vector<Strategy> table = {
-      row<Random>(),      row<RandomPixel>(),  row<Regular>(),  row<Jitter>(),      row<JitterPlane>(),
-      row<NRooks>(),      row<MultiJitter>(),  row<Cmj>(),      row<Hammersley>(),  row<Halton>(),
-      row<Sobol>(),       row<SobolOwen>(),    row<ZeroTwo>(),  row<Pmj02>(),       row<Dart>(),
-      row<PoissonDisk>(), row<SphBlueNoise>(), row<FromFile>(), row<FromCommand>(),
+      row<Random>(),      row<RandomPixel>(), row<Regular>(), row<Jitter>(),     row<JitterPlane>(),
+      row<NRooks>(),      row<MultiJitter>(), row<Cmj>(),     row<Hammersley>(), row<Halton>(),
+      row<Sobol>(),       row<SobolOwen>(),   row<ZeroTwo>(), row<Pmj02>(),      row<Dart>(),
+      row<PoissonDisk>(), row<Lloyd>(),       row<Ccvt>(),    row<Gbn>(),        row<SphBlueNoise>(),
+      row<FromFile>(),    row<FromCommand>(),
   };
   return table;
 }
