@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -20,6 +21,9 @@ struct SamplingTask {
   std::uint64_t budget = 0;  // exact number of samples, >= 1
   std::uint64_t seed = 1;
   sph::SolverFactory solver = nullptr;  // backend of the SPH strategies; null = CPU
+  /// Relative density wanted over the plane, cell by cell (any resolution), >= 0; null = uniform. Only strategies whose
+  /// StrategyInfo says `density` look at it.
+  std::shared_ptr<const Grid<float>> density = nullptr;
 };
 
 /// A view of samples, valid until the sampler's next call.

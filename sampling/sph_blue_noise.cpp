@@ -5,30 +5,57 @@
 #include <limits>
 #include <memory>
 
+#include "sampling/density_warp.h"
 #include "sampling/error.h"
+#include "sampling/from_file.h"
+#include "sampling/relaxation_start.h"
 #include "sampling/rng.h"
+#include "sampling/sph/draw.h"
+#include "sampling/sph/size_field.h"
 
 namespace abn {
 namespace {
 
-constexpr std::size_t batch_size = std::size_t{1} << 20;
+constexpr std::uint64_t most_for_twin = 20000;  // its steps cost O(N^2)
 
-std::vector<Vec2f> white_start(Extent plane, std::uint64_t count, std::uint64_t seed) {
-  std::vector<Vec2f> positions(count);
-  for (std::uint64_t i = 0; i < count; ++i) {
-    positions[i] = to_plane(Rng(seed, stream_id("sph_blue_noise white"), i).uniform2(), plane);
+std::vector<Vec2f> to_pixels(const std::vector<sph::UnitPosition>& positions, Extent plane) {
+  const float right = just_below(static_cast<float>(plane.width));
+  const float bottom = just_below(static_cast<float>(plane.height));
+  std::vector<Vec2f> pixels;
+  pixels.reserve(positions.size());
+  for (const sph::UnitPosition p : positions) {
+    pixels.push_back({std::min(static_cast<float>(p.x * plane.width), right),
+                      std::min(static_cast<float>(p.y * plane.height), bottom)});
   }
-  return positions;
+  return pixels;
 }
 
-/// Stable counting sort by floor of one coordinate.
-std::vector<Vec2f> sorted_by(const std::vector<Vec2f>& points, float Vec2f::*coordinate, std::uint32_t length) {
-  std::vector<std::uint64_t> next(std::size_t{length} + 1, 0);
-  for (const Vec2f p : points) ++next[static_cast<std::size_t>(p.*coordinate) + 1];
-  for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
-  std::vector<Vec2f> sorted(points.size());
-  for (const Vec2f p : points) sorted[next[static_cast<std::size_t>(p.*coordinate)]++] = p;
-  return sorted;
+/// Eq. 2.22 for a relative density I: s = 1 / sqrt(I), I clamped from below at a share of its maximum.
+Grid<float> size_of_density(const Grid<float>& density, double least) {
+  float largest = 0;
+  for (std::size_t i = 0; i < density.cells().size(); ++i) {
+    if (!(density[i] >= 0 && std::isfinite(density[i]))) {
+      throw ConfigError("density: cell " + std::to_string(i) + " is " + std::to_string(density[i]) +
+                        "; every relative density must be finite and >= 0");
+    }
+    largest = std::max(largest, density[i]);
+  }
+  if (!(largest > 0)) throw ConfigError("density: it is 0 everywhere; some of it must be above 0");
+  Grid<float> size(density.size());
+  for (std::size_t i = 0; i < size.cells().size(); ++i) {
+    size[i] = static_cast<float>(1 / std::sqrt(std::max(double{density[i]} / double{largest}, least)));
+  }
+  return size;
+}
+
+template <class Enumeration>
+Enumeration choice(const std::string& word, std::initializer_list<const char*> words) {
+  int at = 0;
+  for (const char* name : words) {
+    if (word == name) return static_cast<Enumeration>(at);
+    ++at;
+  }
+  throw ConfigError("sph_blue_noise: unknown word '" + word + "'");  // fields() lets none through
 }
 
 }  // namespace
@@ -76,24 +103,38 @@ const StrategyInfo SphBlueNoise::info = {
     .summary = "Particles that repel each other like a fluid, relaxed together over the whole plane.",
     .cite = "Jiang et al. 2015, Blue noise sampling using an SPH-based method; Russell 2017 (thesis), 2.5 and 2.6",
     .advice = "The best plain choice where neither axis nor scale of the image is special; the start of sph_adaptive.",
+    .density = true,
 };
 
 std::vector<Field<SphBlueNoise::Params>> SphBlueNoise::fields() {
   using P = Params;
+  const auto among = [](std::string name, std::string P::*member, std::string help, std::vector<std::string> choices) {
+    Field<P> field{std::move(name), member, std::move(help)};
+    field.choices = std::move(choices);
+    return field;
+  };
   return {
       {"delta", &P::delta, "density difference relative to the mean density: smaller is stiffer", 0.01, 1e6},
+      among("kernel", &P::kernel, "smoothing kernel; poly6_spiky is the thesis'", {"wendland", "poly6_spiky", "cubic"}),
+      among("boundary", &P::boundary, "opposite sides joined, or walls with fixed ghost particles behind them",
+            {"periodic", "ghost"}),
+      {"start", &P::start,
+       "first positions: coarse_cells (white inside cells of 16), white, sobol_owen, jitter, file:PATH"},
+      {"iterations", &P::iterations, "iterations, at most", 0, 1000000},
       {"support_radius", &P::support_radius, "support radius of the kernel [spacings]", 1.0, 8.0},
       {"step", &P::step, "force times this is added to the velocity; above 2 unstable [spacings]", 0.0, 10.0},
+      {"adaptive_step", &P::adaptive_step, "a step of at most 4 delta, reduced while the particles do not calm down"},
       {"damping", &P::damping, "share of the velocity that survives an iteration", 0.0, 0.99},
       {"velocity_cap", &P::velocity_cap, "largest move in an iteration [spacings]", 1e-6, 10.0},
-      {"iterations", &P::iterations, "iterations, at most", 0, 1000000},
-      {"tolerance", &P::tolerance, "stop early when the mean move is below [spacings]; 0 = never stop early", 0.0, 1.0},
-      {"start",
-       &P::start,
-       "first positions: white inside coarse cells of 16, or white",
-       0,
-       0,
-       {"coarse_cells", "white"}},
+      {"tolerance", &P::tolerance, "stop early when the move is below [spacings]; 0 = never stop early", 0.0, 1.0},
+      among("criterion", &P::criterion, "whose move: the mean one, or that of every particle (thesis)",
+            {"mean", "every"}),
+      {"classes", &P::classes, "sets that are blue alone and together, emitted one after the other", 1, 64},
+      {"least_density", &P::least_density, "with a density: its floor, relative to its maximum (eq. 2.22)", 1e-6, 1.0},
+      {"gradient_limit", &P::gradient_limit, "with a density: largest slope of the local spacing", 0.01, 100.0},
+      {"background", &P::background, "with a density: subtract the mean-field force; without it the density is missed"},
+      among("search", &P::search, "thesis_cells looks into 3x3 cells of the smallest support only: fig. 2.3's mistake",
+            {"exact", "thesis_cells"}),
   };
 }
 
@@ -102,41 +143,106 @@ SphBlueNoise::SphBlueNoise(const SamplingTask& task, const Params& params) : tas
     throw ConfigError("sph_blue_noise: budget " + std::to_string(task.budget) +
                       " is not possible; ask for 1 to 4294967295 samples");
   }
+  if (params.search == "thesis_cells" && task.budget > most_for_twin) {
+    throw ConfigError("sph_blue_noise: search = thesis_cells runs on the slow reference engine; ask for at most " +
+                      std::to_string(most_for_twin) + " samples, not " + std::to_string(task.budget));
+  }
+  if (params.classes > 1 && (params.boundary == "ghost" || task.density)) {
+    throw ConfigError("sph_blue_noise: classes = " + std::to_string(params.classes) +
+                      " goes only with boundary = periodic and without a density");
+  }
+  const std::vector<std::string> starts = {"coarse_cells", "white", "sobol_owen", "jitter"};
+  if (params.start.starts_with("file:")) {
+    const std::string path = params.start.substr(5);
+    start_file_ = scale_to_plane(read_points(path), task.plane, path).position;
+    if (start_file_.size() != task.budget) {
+      throw ConfigError("sph_blue_noise: start = " + params.start + " holds " + std::to_string(start_file_.size()) +
+                        " points; ask for that many samples, not " + std::to_string(task.budget));
+    }
+  } else if (std::find(starts.begin(), starts.end(), params.start) == starts.end()) {
+    throw ConfigError("sph_blue_noise: start = " + params.start +
+                      "; known: coarse_cells white sobol_owen jitter file:PATH");
+  }
+  if (task.density) size_ = size_of_density(*task.density, params.least_density);
+}
+
+std::vector<Vec2f> SphBlueNoise::start() const {
+  const Extent plane = task_.plane;
+  if (!start_file_.empty()) return start_file_;
+  if (task_.density) {
+    if (params_.start == "coarse_cells" || params_.start == "white") {
+      const auto density = [&](double u, double v) {
+        const double s = sph::bilinear_periodic(size_.cells().data(), size_.size().width, size_.size().height,
+                                                u * size_.size().width, v * size_.size().height);
+        return 1 / (s * s);
+      };
+      const double per_cell = params_.start == "white" ? static_cast<double>(task_.budget) : 16;
+      const double aspect = static_cast<double>(plane.width) / plane.height;
+      return to_pixels(sph::draw_by_density(density, aspect, task_.budget, task_.seed, per_cell), plane);
+    }
+    // The other starts are uniform: bend them to the density.
+    const DensityWarp warp(*task_.density);
+    std::vector<Vec2f> positions = relaxation_start(params_.start, {1, 1}, task_.budget, task_.seed);
+    for (Vec2f& p : positions) p = to_plane(warp(p), plane);
+    return positions;
+  }
+  if (params_.start == "coarse_cells") return coarse_cell_positions(plane, task_.budget, task_.seed);
+  return relaxation_start(params_.start, plane, task_.budget, task_.seed);
 }
 
 void SphBlueNoise::relax() {
-  const std::vector<Vec2f> start = params_.start == "white"
-                                       ? white_start(task_.plane, task_.budget, task_.seed)
-                                       : coarse_cell_positions(task_.plane, task_.budget, task_.seed);
+  const std::vector<Vec2f> first = start();
   sph::Setup setup;
   setup.plane = task_.plane;
-  setup.positions = start;
+  setup.positions = first;
+  std::vector<std::uint8_t> labels;
+  for (std::size_t i = 0; params_.classes > 1 && i < first.size(); ++i) {
+    labels.push_back(static_cast<std::uint8_t>(i % static_cast<std::size_t>(params_.classes)));
+  }
+  setup.classes = labels;
+  setup.kernel = choice<sph::Kernel>(params_.kernel, {"wendland", "poly6_spiky", "cubic"});
+  setup.boundary = choice<sph::Boundary>(params_.boundary, {"periodic", "ghost"});
   setup.support_radius = static_cast<float>(params_.support_radius);
   setup.stiffness_ratio = static_cast<float>(params_.delta);
   setup.step = static_cast<float>(params_.step);
+  setup.adaptive_step = params_.adaptive_step;
   setup.damping = static_cast<float>(params_.damping);
   setup.velocity_cap = static_cast<float>(params_.velocity_cap);
   if (params_.tolerance > 0) setup.tolerance = static_cast<float>(params_.tolerance);
-  const std::unique_ptr<sph::Solver> solver = task_.solver ? task_.solver(setup) : sph::make_cpu_solver(setup);
+  setup.criterion = choice<sph::Criterion>(params_.criterion, {"mean", "every"});
+  setup.gradient_limit = static_cast<float>(params_.gradient_limit);
+  setup.background = params_.background;
+  setup.thesis_cells = params_.search == "thesis_cells";
+  setup.seed = task_.seed;
+  const std::unique_ptr<sph::Solver> solver = setup.thesis_cells ? sph::make_twin_solver(setup)
+                                              : task_.solver     ? task_.solver(setup)
+                                                                 : sph::make_cpu_solver(setup);
+  if (task_.density) solver->set_size_field(size_);
   report_ = solver->relax(params_.iterations, params_.tolerance > 0);
   backend_ = solver->backend();
+  const auto ring = solver->ghosts();
+  ghosts_.assign(ring.begin(), ring.end());
   const auto relaxed = solver->positions();
-  samples_.assign(relaxed.begin(), relaxed.end());
-  // By pixel, row by row: image reads then walk through memory in order.
-  samples_ = sorted_by(samples_, &Vec2f::x, task_.plane.width);
-  samples_ = sorted_by(samples_, &Vec2f::y, task_.plane.height);
+  const auto classes = static_cast<std::size_t>(params_.classes);
+  classes_.resize(classes);
+  for (std::size_t c = 0; c < classes; ++c) {
+    std::vector<Vec2f> members;
+    for (std::size_t i = c; i < relaxed.size(); i += classes) members.push_back(relaxed[i]);
+    classes_[c].assign(members, task_.plane);
+  }
 }
 
 SampleBatch SphBlueNoise::next(const Feedback&) {
-  if (samples_.empty()) relax();
-  const std::size_t begin = emitted_;
-  const std::size_t count = std::min(batch_size, samples_.size() - begin);
-  emitted_ += count;
-  return {.position = std::span<const Vec2f>(samples_).subspan(begin, count)};
+  if (classes_.empty()) relax();
+  for (; class_at_ < classes_.size(); ++class_at_) {
+    const SampleBatch batch = classes_[class_at_].next();
+    if (!batch.empty()) return batch;
+  }
+  return {};
 }
 
 std::vector<Diagnostic> SphBlueNoise::diagnostics() const {
-  if (samples_.empty()) return {};
+  if (classes_.empty()) return {};
   Diagnostic dropped{"non_finite", static_cast<double>(report_.non_finite)};
   if (report_.non_finite > 0) {
     dropped.text = "steps of particles were not finite and were dropped; a larger delta or a smaller step is stable";
@@ -147,13 +253,21 @@ std::vector<Diagnostic> SphBlueNoise::diagnostics() const {
     moving.text = "the particles still move by more than a tenth of a spacing; a smaller step or damping is stable";
     moving.warning = true;
   }
+  Diagnostic reductions{"step_reductions", static_cast<double>(report_.step_reductions)};
+  if (report_.step_reductions > 0) {
+    reductions.text = "the step was reduced because the particles did not calm down; ask for a smaller one";
+  }
   return {
       {"iterations", static_cast<double>(report_.steps)},
       moving,
       {"max_displacement", report_.max_displacement},
+      {"mean_converged_at", static_cast<double>(report_.mean_converged_at)},
+      {"every_converged_at", static_cast<double>(report_.every_converged_at)},
       {"mean_density", report_.mean_density},
       {"converged", report_.converged ? 1.0 : 0.0},
+      reductions,
       dropped,
+      {"ghosts", static_cast<double>(ghosts_.size())},
       {"backend", 0, backend_},
   };
 }

@@ -24,6 +24,7 @@ struct StrategyInfo {
   bool adaptive = false;                // reads its Feedback
   std::string reconstruction = "mean";  // what `--reconstruction auto` means for it
   bool random = true;                   // another seed gives other samples
+  bool density = false;                 // places its samples by SamplingTask::density
 };
 
 /// A row of the table.

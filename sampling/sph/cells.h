@@ -1,4 +1,8 @@
-// Particles sorted into the cells of a torus, and the search for neighbours in them.
+// Particles sorted into cells of a torus, and the search for neighbours in them.
+//
+// Two levels: equal tiles over the whole plane, and in every tile its own rows and columns, as fine as the particles
+// there are dense. So the number of cells is about that of the particles whatever the size field (a uniform plane is
+// one tile), and a search visits rows of cells, each of them one run of memory.
 //
 // Which images interact: ALL of them within reach, not only the nearest. The plane is a torus, that is an infinite
 // tiling, and where it is narrower than the support a particle meets several copies of another one and of itself. This
@@ -17,35 +21,37 @@
 
 namespace abn::sph {
 
-/// A grid of cells over the torus [0,length_x) x [0,length_y), stored row by row. All lengths in d.
+/// The cells of one tile, stored row by row from cell `first` on. Lengths in d.
 template <class Real>
-struct CellGrid {
-  Real length_x = 1, length_y = 1;
+struct Tile {
+  Real x = 0, y = 0;                           // its corner
   Real inverse_width = 1, inverse_height = 1;  // of a cell
   std::int32_t columns = 1, rows = 1;
+  std::uint32_t first = 0;
+};
 
-  CellGrid() = default;
-  /// Cells at least `height` high and height/4 wide: with height = the support, a search visits three rows, each of
-  /// them one run of memory, and narrow cells cut the runs close. Never more cells than the area [d^2], one per
-  /// particle.
-  CellGrid(Real box_x, Real box_y, Real least_height) : length_x(box_x), length_y(box_y) {
-    const Real height = std::max(least_height + rounding(least_height), 1 / box_x);
-    const Real width = std::max(height / 4, 1 / std::min(height, box_y));
-    columns = fit(box_x / width);
-    rows = fit(box_y / height);
-    inverse_width = static_cast<Real>(columns) / box_x;
-    inverse_height = static_cast<Real>(rows) / box_y;
-  }
-
-  std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+/// What a search needs to know of the cells: plain pointers, for host and device.
+template <class Real>
+struct CellView {
+  const Tile<Real>* tiles = nullptr;      // [tiles_x*tiles_y], row by row
+  Real length_x = 1, length_y = 1;        // of the torus [d]
+  Real tiles_per_x = 1, tiles_per_y = 1;  // tiles per d
+  std::int32_t tiles_x = 1, tiles_y = 1;
 
   /// The cell of a particle; 0 <= x < length_x, 0 <= y < length_y.
   ABN_HD std::uint32_t cell(Real x, Real y) const {
-    std::int32_t column = static_cast<std::int32_t>(x * inverse_width);
-    std::int32_t row = static_cast<std::int32_t>(y * inverse_height);
-    column = column < columns ? column : columns - 1;  // the product may round up to the border
-    row = row < rows ? row : rows - 1;
-    return static_cast<std::uint32_t>(row) * static_cast<std::uint32_t>(columns) + static_cast<std::uint32_t>(column);
+    const std::int32_t column = at_most(static_cast<std::int32_t>(x * tiles_per_x), tiles_x - 1);
+    const std::int32_t row = at_most(static_cast<std::int32_t>(y * tiles_per_y), tiles_y - 1);
+    const Tile<Real>& tile = tiles[row * tiles_x + column];
+    return tile.first + static_cast<std::uint32_t>(row_in(tile, y)) * static_cast<std::uint32_t>(tile.columns) +
+           static_cast<std::uint32_t>(column_in(tile, x));
+  }
+  /// The row and column of a coordinate in a tile, the nearest one if it lies outside. Never falls as y or x grow.
+  ABN_HD static std::int32_t row_in(const Tile<Real>& tile, Real y) {
+    return inside((y - tile.y) * tile.inverse_height, tile.rows);
+  }
+  ABN_HD static std::int32_t column_in(const Tile<Real>& tile, Real x) {
+    return inside((x - tile.x) * tile.inverse_width, tile.columns);
   }
 
   /// A bound on what rounding may shift a coordinate against the cell borders: a search of radius r must look
@@ -56,52 +62,89 @@ struct CellGrid {
   }
 
  private:
-  static std::int32_t fit(Real count) { return static_cast<std::int32_t>(std::clamp(count, Real(1), Real(1 << 30))); }
+  ABN_HD static std::int32_t at_most(std::int32_t value, std::int32_t limit) { return value < limit ? value : limit; }
+  ABN_HD static std::int32_t inside(Real scaled, std::int32_t count) {
+    return scaled < Real(1) ? 0 : scaled < static_cast<Real>(count) ? static_cast<std::int32_t>(scaled) : count - 1;
+  }
 };
 
-namespace detail {
-/// Calls f(first, last, image) for the maximal runs of [first, last] that lie in one image of [0, count).
-template <class F>
-void split_by_image(std::int64_t first, std::int64_t last, std::int64_t count, F&& f) {
-  std::int64_t image = first >= 0 ? first / count : -((count - 1 - first) / count);
-  for (std::int64_t begin = first; begin <= last; ++image) {
-    const std::int64_t end = std::min(last, image * count + count - 1);
-    f(static_cast<std::size_t>(begin - image * count), static_cast<std::size_t>(end - image * count), image);
-    begin = end + 1;
+/// Owns the tiles.
+template <class Real>
+class Cells {
+ public:
+  /// One tile: cells at least as high as the support radius [d] and a quarter as wide, but never many more cells than
+  /// particles (area [d^2]).
+  Cells(double length_x, double length_y, double support);
+  /// Tiles of about `tile_length` [d] with cells for `density` [tiles_x*tiles_y], the mean of s^-2 in every tile.
+  /// tiles_x and tiles_y as tile_count() gives them.
+  Cells(double length_x, double length_y, double support, std::int32_t tiles_x, std::int32_t tiles_y,
+        std::span<const double> density);
+  static std::int32_t tile_count(double length, double tile_length = 16);
+
+  CellView<Real> view() const {
+    CellView<Real> copy = view_;
+    copy.tiles = tiles_.data();
+    return copy;
+  }
+  std::span<const Tile<Real>> tiles() const { return tiles_; }
+  std::size_t size() const { return size_; }  // number of cells
+
+ private:
+  CellView<Real> view_;
+  std::vector<Tile<Real>> tiles_;
+  std::size_t size_ = 0;
+};
+
+/// Consecutive sorted particles [begin, end), seen in the image of the plane that lies image_x widths to the right and
+/// image_y heights below.
+struct Run {
+  std::uint32_t begin = 0, end = 0;
+  std::int16_t image_x = 0, image_y = 0;
+};
+
+/// Calls f(run) for runs of particles, so that every particle image inside the rectangle [x0,x1] x [y0,y1] (unwrapped,
+/// in d) is met exactly once. Meets some images outside the rectangle too. The order of any two images does not depend
+/// on the rectangle, so that sums over them are the same whoever shares the search.
+template <class Real, class F>
+ABN_HD inline void for_each_run(const CellView<Real>& grid, const std::uint32_t* cell_start, Real x0, Real x1, Real y0,
+                                Real y1, F&& f) {
+  const auto first_x = static_cast<std::int64_t>(std::floor(x0 * grid.tiles_per_x));
+  const auto last_x = static_cast<std::int64_t>(std::floor(x1 * grid.tiles_per_x));
+  const auto first_y = static_cast<std::int64_t>(std::floor(y0 * grid.tiles_per_y));
+  const auto last_y = static_cast<std::int64_t>(std::floor(y1 * grid.tiles_per_y));
+  const auto image_of = [](std::int64_t tile, std::int64_t count) -> std::int64_t {
+    if (tile >= 0 && tile < count) return 0;  // mostly; a division is slow
+    return tile >= 0 ? tile / count : -((count - 1 - tile) / count);
+  };
+  for (std::int64_t tile_y = first_y; tile_y <= last_y; ++tile_y) {
+    const std::int64_t image_y = image_of(tile_y, grid.tiles_y);
+    const Real shift_y = static_cast<Real>(image_y) * grid.length_y;
+    for (std::int64_t tile_x = first_x; tile_x <= last_x; ++tile_x) {
+      const std::int64_t image_x = image_of(tile_x, grid.tiles_x);
+      const Real shift_x = static_cast<Real>(image_x) * grid.length_x;
+      const Tile<Real>& tile =
+          grid.tiles[(tile_y - image_y * grid.tiles_y) * grid.tiles_x + tile_x - image_x * grid.tiles_x];
+      const std::int32_t last_row = grid.row_in(tile, y1 - shift_y);
+      const std::int32_t column0 = grid.column_in(tile, x0 - shift_x);
+      const std::int32_t column1 = grid.column_in(tile, x1 - shift_x);
+      for (std::int32_t row = grid.row_in(tile, y0 - shift_y); row <= last_row; ++row) {
+        const std::uint32_t* start = cell_start + tile.first + static_cast<std::uint32_t>(row * tile.columns);
+        const std::uint32_t begin = start[column0];
+        const std::uint32_t end = start[column1 + 1];
+        if (begin < end) f(Run{begin, end, static_cast<std::int16_t>(image_x), static_cast<std::int16_t>(image_y)});
+      }
+    }
   }
 }
-}  // namespace detail
 
-/// Calls f(begin, end, shift_x, shift_y) for runs [begin, end) of sorted particles, so that every particle image inside
-/// the rectangle [x0,x1] x [y0,y1] (unwrapped, in d) is met exactly once; images are at particle + shift. Meets some
-/// images outside the rectangle too. Order: rows upward, columns rightward, so sums over it have a fixed order.
-template <class Real, class F>
-inline void for_each_run(const CellGrid<Real>& grid, const std::uint32_t* cell_start, Real x0, Real x1, Real y0,
-                         Real y1, F&& f) {
-  const auto index = [](Real scaled) { return static_cast<std::int64_t>(std::floor(scaled)); };
-  const std::int64_t column0 = index(x0 * grid.inverse_width);
-  const std::int64_t column1 = index(x1 * grid.inverse_width);
-  const std::int64_t row0 = index(y0 * grid.inverse_height);
-  const std::int64_t row1 = index(y1 * grid.inverse_height);
-  detail::split_by_image(row0, row1, grid.rows, [&](std::size_t first_row, std::size_t last_row, std::int64_t tile_y) {
-    const Real shift_y = static_cast<Real>(tile_y) * grid.length_y;
-    for (std::size_t row = first_row; row <= last_row; ++row) {
-      const std::uint32_t* start = cell_start + row * static_cast<std::size_t>(grid.columns);
-      detail::split_by_image(column0, column1, grid.columns, [&](std::size_t first, std::size_t last, std::int64_t t) {
-        if (start[first] < start[last + 1]) {
-          f(start[first], start[last + 1], static_cast<Real>(t) * grid.length_x, shift_y);
-        }
-      });
-    }
-  });
-}
-
-/// A stable counting sort of particles into cells. The result does not depend on the number of threads.
+/// Particles in the order of their cells, and inside a cell by id: an order that depends on the state alone, not on its
+/// history or on the number of threads.
 class CellSort {
  public:
-  /// `cell` [n] holds each particle's cell and becomes its place in the sorted order; cell_start [cells+1] becomes the
-  /// first place of every cell, with n at the end. Works in `parts` >= 1 parallel parts; 4 B per cell and part.
-  void sort(std::span<std::uint32_t> cell, std::size_t cells, int parts, std::vector<std::uint32_t>& cell_start);
+  /// cell [n]: each particle's cell; id [n]: distinct. Leaves in `order` [n] the particles' indices in sorted order and
+  /// in `cell_start` [cells+1] the first place of every cell, with n at the end. Works in `parts` >= 1 parallel parts.
+  void sort(std::span<const std::uint32_t> cell, std::span<const std::uint32_t> id, std::size_t cells, int parts,
+            std::vector<std::uint32_t>& order, std::vector<std::uint32_t>& cell_start);
 
  private:
   std::vector<std::uint32_t> count_;  // [parts*cells]

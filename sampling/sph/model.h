@@ -27,32 +27,63 @@ ABN_HD inline Real kernel_distance(Real squared_distance, Real inverse_reach) {
   return std::sqrt(squared_distance) * inverse_reach;
 }
 
-/// max(0, 1 - q): what both kernels are powers of; zero past the support without a branch.
+/// max(0, 1 - q): what all kernels are made of; zero past the support without a branch.
 template <class Real>
 ABN_HD constexpr Real support(Real q) {
   const Real rest = Real(1) - q;
   return rest > Real(0) ? rest : Real(0);
 }
 
-/// Wendland C2 kernel without its constant, (1-q)^4 (1+4q): its gradient does not vanish too fast at r = 0, so that
-/// particles do not collapse into pairs as under poly6 (the thesis' kernel).
-template <class Real>
+/// The smoothing kernel W of eq. 2.14 and the gradient that goes with it.
+enum class Kernel : std::uint8_t {
+  wendland,     // Wendland C2: no pairing of particles up to H = 3 (the default)
+  poly6_spiky,  // the thesis' pair: poly6 for the density, the spiky kernel's gradient for the force (Mueller 2003)
+  cubic,        // cubic spline: its gradient vanishes at r = 0, so particles pair at H >= 2.5
+};
+
+/// W without its constant, as a function of q; zero past the support.
+template <Kernel kernel = Kernel::wendland, class Real>
 ABN_HD constexpr Real kernel_shape(Real q) {
   const Real a = support(q);
-  const Real a2 = a * a;
-  return a2 * a2 * (Real(1) + Real(4) * q);
+  if constexpr (kernel == Kernel::wendland) {  // (1-q)^4 (1+4q)
+    const Real a2 = a * a;
+    return a2 * a2 * (Real(1) + Real(4) * q);
+  } else if constexpr (kernel == Kernel::poly6_spiky) {  // (1-q^2)^3
+    const Real b = a * (Real(1) + q);
+    return b * b * b;
+  } else {  // 1 - 6q^2 + 6q^3 up to q = 1/2, then 2 (1-q)^3
+    const Real near = Real(1) - Real(6) * q * q * (Real(1) - q);
+    return q < Real(0.5) ? near : Real(2) * a * a * a;
+  }
 }
 
-/// The constant 7 / (pi H^2) that makes the kernel integrate to 1 over the plane.
-template <class Real>
+/// The constant that makes W integrate to 1 over the plane: 7, 4 or 40/7 over pi H^2.
+template <Kernel kernel = Kernel::wendland, class Real>
 ABN_HD constexpr Real kernel_constant(Real support_radius) {
-  return Real(7) / (std::numbers::pi_v<Real> * support_radius * support_radius);
+  const Real numerator = kernel == Kernel::wendland ? Real(7) : kernel == Kernel::poly6_spiky ? Real(4) : Real(40) / 7;
+  return numerator / (std::numbers::pi_v<Real> * support_radius * support_radius);
+}
+
+/// -(dW/dr) / r up to a constant factor: the gradient is this times (x_i - x_j). The factors make the stiffness of long
+/// waves, the moment int g(q) q^3 dq, that of the Wendland kernel, so that one step length serves all kernels.
+template <Kernel kernel = Kernel::wendland, class Real>
+ABN_HD constexpr Real gradient_shape(Real q) {
+  const Real a = support(q);
+  if constexpr (kernel == Kernel::wendland) {
+    return a * a * a;
+  } else if constexpr (kernel == Kernel::poly6_spiky) {
+    const Real direction = q > Real(1e-3) ? q : Real(1e-3);  // coincident particles have none: coincident_offset()
+    return Real(3) / 14 * (a * a) / direction;
+  } else {
+    const Real far = Real(0.5) * (a * a) / (q > Real(0.5) ? q : Real(0.5));
+    return Real(24) / 49 * (q < Real(0.5) ? Real(1) - Real(1.5) * q : far);
+  }
 }
 
 /// One term of the density sum, eq. 2.15: rho_i = kernel_constant * sum over j, self included, of these.
-template <class Real>
+template <Kernel kernel = Kernel::wendland, class Real>
 ABN_HD inline Real density_term(Real squared_distance, Real inverse_reach) {
-  return kernel_shape(kernel_distance(squared_distance, inverse_reach));
+  return kernel_shape<kernel>(kernel_distance(squared_distance, inverse_reach));
 }
 
 /// Pressure, eqs. 2.17 and 2.18 relative to the mean: P = 1 + (rho - mean) / (Delta mean). The stiffness k and the mass
@@ -62,14 +93,14 @@ ABN_HD constexpr Real pressure(Real density, Real mean_density, Real inverse_del
   return Real(1) + (density - mean_density) / mean_density * inverse_delta;
 }
 
-/// One term of the pressure force, eq. 2.16 in its form for the Wendland kernel, where grad W is parallel to
-/// -(1-q)^3 (x_i - x_j): force_i = sum over j of this * (x_i - x_j) * warp. The last factor puts the force into units
-/// of the local spacing. Symmetric in i and j, so that momentum is conserved. Deviation: P_i + P_j without 1/rho^2
-/// (Jiang), because rho is 1 at equilibrium; the constant of grad W is in `step`.
-template <class Real>
+/// One term of the pressure force, eq. 2.16: force_i = sum over j of this * (x_i - x_j) * warp. The last factor puts
+/// the force into units of the local spacing. Symmetric in i and j, so that momentum is conserved. Deviation: P_i + P_j
+/// without 1/rho^2 (the thesis prints P/rho, its code and Jiang have P/rho^2), because rho is 1 at equilibrium; the
+/// constant of grad W is in `step`.
+template <Kernel kernel = Kernel::wendland, class Real>
 ABN_HD inline Real force_term(Real squared_distance, Real inverse_reach, Real pressure_i, Real pressure_j) {
-  const Real a = support(kernel_distance(squared_distance, inverse_reach));
-  return Real(0.5) * (pressure_i + pressure_j) * (a * a * a);
+  const Real gradient = gradient_shape<kernel>(kernel_distance(squared_distance, inverse_reach));
+  return Real(0.5) * (pressure_i + pressure_j) * gradient;
 }
 
 /// Stands in for (x_i - x_j) where two particles coincide and no direction exists: a short vector from the two ids,
@@ -104,6 +135,13 @@ ABN_HD inline bool advance(Real& vx, Real& vy, Real force_x, Real force_y, Real 
     vy *= cap / length;
   }
   return true;
+}
+
+/// The coordinate's place between two walls, in [0, length).
+template <class Real>
+ABN_HD inline Real keep_inside(Real x, Real length) {
+  const Real largest = length * (Real(1) - std::numeric_limits<Real>::epsilon());
+  return x < Real(0) ? Real(0) : x < largest ? x : largest;
 }
 
 /// The coordinate's place on the torus, in [0, length). Precondition: x finite.

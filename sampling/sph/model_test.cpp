@@ -2,52 +2,108 @@
 
 #include <gtest/gtest.h>
 
-#include "sampling/sph/size_field.h"
-#include "sampling/sph/test_planes.h"
+#include <cmath>
+#include <limits>
+
+#include "sampling/vec.h"
 
 namespace abn::sph {
 namespace {
 
-TEST(Kernel, IntegratesToOneOverThePlane) {
-  for (const double support : {1.0, 2.0, 3.5}) {
-    double sum = 0;
-    const int n = 800;
-    const double cell = 2 * support / n;
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
-        const double x = -support + (i + 0.5) * cell;
-        const double y = -support + (j + 0.5) * cell;
-        sum += density_term(x * x + y * y, 1 / support);
+/// Calls f.operator()<kernel>(name) for every kernel.
+template <class F>
+void for_each_kernel(const F& f) {
+  f.template operator()<Kernel::wendland>("wendland");
+  f.template operator()<Kernel::poly6_spiky>("poly6_spiky");
+  f.template operator()<Kernel::cubic>("cubic");
+}
+
+/// Integral of f over [0,1] by Simpson's rule; every kernel is a polynomial on both halves.
+template <class F>
+double integral(const F& f) {
+  constexpr int steps = 2000;
+  double sum = 0;
+  for (int k = 0; k < steps; ++k) {
+    const double a = static_cast<double>(k) / steps;
+    const double b = static_cast<double>(k + 1) / steps;
+    sum += (f(a) + 4 * f(0.5 * (a + b)) + f(b)) / 6 / steps;
+  }
+  return sum;
+}
+
+TEST(SphKernel, IntegratesToOneOverThePlane) {
+  for_each_kernel([]<Kernel kernel>(const char* name) {
+    for (const double support : {1.0, 2.0, 3.5}) {
+      double sum = 0;
+      const int n = 800;
+      const double cell = 2 * support / n;
+      for (int j = 0; j < n; ++j) {
+        for (int i = 0; i < n; ++i) {
+          const double x = -support + (i + 0.5) * cell;
+          const double y = -support + (j + 0.5) * cell;
+          sum += density_term<kernel>(x * x + y * y, 1 / support);
+        }
       }
+      EXPECT_NEAR(kernel_constant<kernel>(support) * sum * cell * cell, 1.0, 1e-6) << name << " H " << support;
     }
-    EXPECT_NEAR(kernel_constant(support) * sum * cell * cell, 1.0, 1e-6) << "H " << support;
-  }
+  });
 }
 
-TEST(Kernel, VanishesFromTheSupportOn) {
-  EXPECT_EQ(kernel_shape(1.0), 0.0);
-  EXPECT_EQ(kernel_shape(1.7), 0.0);
-  EXPECT_EQ(kernel_shape(0.0), 1.0);
-  EXPECT_EQ(force_term(4.1, 0.5, 1.0, 1.0), 0.0);
+TEST(SphKernel, IsOneAtTheCentreAndVanishesContinuouslyAtTheSupport) {
+  for_each_kernel([]<Kernel kernel>(const char* name) {
+    EXPECT_EQ(kernel_shape<kernel>(0.0), 1.0) << name;
+    for (const double q : {1.0, 1.0 + 1e-15, 1.7, 1e9}) {
+      EXPECT_EQ(kernel_shape<kernel>(q), 0.0) << name;
+      EXPECT_EQ(gradient_shape<kernel>(q), 0.0) << name;
+    }
+    EXPECT_LT(kernel_shape<kernel>(1 - 1e-6), 1e-11) << name;
+    EXPECT_LT(gradient_shape<kernel>(1 - 1e-6), 1e-11) << name;
+    for (double q = 0; q < 1; q += 1.0 / 1024) {  // no jump in between, and never rising
+      const double fall = kernel_shape<kernel>(q) - kernel_shape<kernel>(q + 1.0 / 1024);
+      EXPECT_GE(fall, 0) << name << " q " << q;
+      EXPECT_LT(fall, 0.003) << name << " q " << q;
+    }
+    EXPECT_TRUE(std::isfinite(gradient_shape<kernel>(0.0)) && std::isfinite(gradient_shape<kernel>(0.0F))) << name;
+    EXPECT_GT(gradient_shape<kernel>(0.0), 0) << name;
+    EXPECT_EQ(density_term<kernel>(4.1, 0.5), 0.0) << name;
+    EXPECT_EQ(force_term<kernel>(4.1, 0.5, 1.0, 1.0), 0.0) << name;
+  });
 }
 
-TEST(Kernel, ForceIsParallelToItsGradient) {
-  // d/dr of (1-q)^4 (1+4q) is -20 q (1-q)^3 / H, so gradient / r = -20/H^2 (1-q)^3: the force's factor.
-  const double support = 2;
-  for (double r = 0.1; r < 2; r += 0.17) {
+/// W whose gradient the force uses, without its constant: for the thesis' pair the spiky kernel (Mueller 2003).
+template <Kernel kernel>
+double potential(double q) {
+  if (kernel == Kernel::poly6_spiky) return (1 - q) * (1 - q) * (1 - q);
+  return kernel_shape<kernel>(q);
+}
+
+TEST(SphKernel, ForceIsParallelToItsGradient) {
+  for_each_kernel([]<Kernel kernel>(const char* name) {
     const double h = 1e-5;
-    const double slope = (kernel_shape((r + h) / support) - kernel_shape((r - h) / support)) / (2 * h);
-    EXPECT_NEAR(-slope / r * support * support / 20, force_term(r * r, 1 / support, 1.0, 1.0), 1e-9);
-  }
+    double ratio = 0;
+    for (double q = 0.05; q < 0.97; q += 0.0313) {
+      const double slope = (potential<kernel>(q + h) - potential<kernel>(q - h)) / (2 * h);
+      const double now = -slope / q / gradient_shape<kernel>(q);
+      ratio = ratio > 0 ? ratio : now;
+      EXPECT_NEAR(now, ratio, 1e-5 * ratio) << name << " q " << q;
+    }
+  });
 }
 
-TEST(Pressure, IsOneAtTheMeanDensityAndRisesByOneOverDelta) {
+TEST(SphKernel, StiffnessOfLongWavesIsTheSameForAll) {
+  for_each_kernel([]<Kernel kernel>(const char* name) {
+    const double moment = integral([](double q) { return gradient_shape<kernel>(q) * q * q * q; });
+    EXPECT_NEAR(moment * 140, 1.0, 1e-6) << name;  // B(4,4) = 1/140
+  });
+}
+
+TEST(SphPressure, IsOneAtTheMeanDensityAndRisesByOneOverDelta) {
   EXPECT_DOUBLE_EQ(pressure(1.1, 1.1, 1 / 0.3), 1.0);
   EXPECT_NEAR(pressure(1.3 * 1.1, 1.1, 1 / 0.3), 2.0, 1e-12);
   EXPECT_NEAR(pressure(0.7 * 1.1, 1.1, 1 / 0.3), 0.0, 1e-12);
 }
 
-TEST(Advance, CapsTheVelocityAndDropsNonFiniteSteps) {
+TEST(SphAdvance, CapsTheVelocityAndDropsNonFiniteSteps) {
   double vx = 0.1, vy = 0;
   EXPECT_TRUE(advance(vx, vy, 0.05, 0.0, 1.2, 0.6, 0.3));
   EXPECT_NEAR(vx, 0.12, 1e-15);
@@ -61,7 +117,7 @@ TEST(Advance, CapsTheVelocityAndDropsNonFiniteSteps) {
   EXPECT_EQ(vy, 0);
 }
 
-TEST(Wrap, StaysInsideTheTorus) {
+TEST(SphWrap, StaysInsideTheTorus) {
   for (const float length : {0.003F, 1.0F, 490.0F}) {
     for (const float x : {-1e-12F, -0.3F, 0.0F, 0.3F, -1000.0F, 1000.0F, just_below(length), length}) {
       const float w = wrap(x, length);
@@ -73,7 +129,18 @@ TEST(Wrap, StaysInsideTheTorus) {
   EXPECT_EQ(wrap(2.25F, 1.0F), 0.25F);
 }
 
-TEST(CoincidentOffset, IsShortAndOppositeForThePartner) {
+TEST(SphKeepInside, StopsAtTheWalls) {
+  for (const float length : {0.003F, 1.0F, 490.0F}) {
+    for (const float x : {-1e-12F, -3.0F, 0.0F, 0.3F, 1000.0F, just_below(length), length}) {
+      const float w = keep_inside(x, length);
+      EXPECT_GE(w, 0.0F) << x << " in " << length;
+      EXPECT_LT(w, length) << x << " in " << length;
+    }
+  }
+  EXPECT_EQ(keep_inside(0.25F, 1.0F), 0.25F);
+}
+
+TEST(SphCoincidentOffset, IsShortAndOppositeForThePartner) {
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const std::uint32_t j = i * 7 + 1;
     double ax, ay, bx, by;
@@ -83,49 +150,6 @@ TEST(CoincidentOffset, IsShortAndOppositeForThePartner) {
     EXPECT_EQ(ay, -by);
     EXPECT_GT(std::hypot(ax, ay), 1e-5);
     EXPECT_LT(std::hypot(ax, ay), 0.02);
-  }
-}
-
-TEST(SizeField, InverseSquareIntegratesToTheArea) {
-  // Independent quadrature of the bilinear interpolant, over a smooth field and a jump of 1:100.
-  for (const Grid<float>& s : {smooth_size_field({12, 9}, 10), jump_size_field({8, 8}, 100.0F)}) {
-    const Grid<float> field = normalised_size_field(s, 1e9);
-    const Extent size = field.size();
-    double sum = 0;
-    const int sub = 200;
-    for (std::uint32_t j = 0; j < size.height * sub; ++j) {
-      for (std::uint32_t i = 0; i < size.width * sub; ++i) {
-        const double value =
-            bilinear_periodic(field.cells().data(), size.width, size.height, (i + 0.5) / sub, (j + 0.5) / sub);
-        sum += 1 / (value * value);
-      }
-    }
-    EXPECT_NEAR(sum / (static_cast<double>(size.area()) * sub * sub), 1.0, 2e-4);
-  }
-}
-
-TEST(SizeField, OnlyRatiosCountAndExtremesStayFinite) {
-  Grid<float> s({4, 4}, 2.0F);
-  s.at(1, 1) = 6.0F;
-  Grid<float> scaled = s;
-  for (float& value : scaled.cells()) value *= 0x1p100F;
-  const auto a = normalised_size_field(s, 100);
-  const auto b = normalised_size_field(scaled, 100);
-  for (std::size_t i = 0; i < 16; ++i) EXPECT_FLOAT_EQ(a[i], b[i]);
-  s.at(0, 0) = std::numeric_limits<float>::max();
-  s.at(3, 3) = std::numeric_limits<float>::denorm_min();
-  const Grid<float> extreme = normalised_size_field(s, 100);
-  for (const float value : extreme.cells()) {
-    EXPECT_GT(value, 0.0F);
-    EXPECT_LE(value, 100.0F);
-  }
-}
-
-TEST(SizeField, RefusesZeroNegativeAndNonFinite) {
-  for (const float bad : {0.0F, -1.0F, std::nanf(""), std::numeric_limits<float>::infinity()}) {
-    Grid<float> s({3, 3}, 1.0F);
-    s.at(2, 1) = bad;
-    EXPECT_THROW(normalised_size_field(s, 10), ConfigError) << bad;
   }
 }
 

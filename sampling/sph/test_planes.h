@@ -7,6 +7,8 @@
 
 #include "sampling/grid.h"
 #include "sampling/rng.h"
+#include "sampling/sph/draw.h"
+#include "sampling/sph/solver.h"
 #include "sampling/vec.h"
 
 namespace abn::sph {
@@ -17,6 +19,14 @@ inline std::vector<Vec2f> white_positions(Extent plane, std::uint64_t n, std::ui
     positions.push_back(to_plane(Rng(seed, stream_id("white positions"), i).uniform2(), plane));
   }
   return positions;
+}
+
+/// All defaults. `positions` must outlive the result.
+inline sph::Setup setup_of(Extent plane, const std::vector<Vec2f>& positions) {
+  sph::Setup setup;
+  setup.plane = plane;
+  setup.positions = positions;
+  return setup;
 }
 
 /// s between 1 and `ratio`, a smooth hill with exponential flanks.
@@ -53,6 +63,21 @@ inline std::vector<Vec2f> positions_by_size(Extent plane, const Grid<float>& siz
     const float s = size.at(static_cast<std::uint32_t>(unit.x * static_cast<float>(size.size().width)),
                             static_cast<std::uint32_t>(unit.y * static_cast<float>(size.size().height)));
     if (rng.uniform() < smallest * smallest / (s * s)) positions.push_back(to_plane(unit, plane));
+  }
+  return positions;
+}
+
+/// Start positions of density s^-2 without long waves.
+inline std::vector<Vec2f> drawn_positions(Extent plane, const Grid<float>& size, std::uint64_t n,
+                                          std::uint64_t seed = 1) {
+  const auto density = [&](double u, double v) {
+    const double s = double{
+        size.at(static_cast<std::uint32_t>(u * size.size().width), static_cast<std::uint32_t>(v * size.size().height))};
+    return 1 / (s * s);
+  };
+  std::vector<Vec2f> positions;
+  for (const UnitPosition p : draw_by_density(density, static_cast<double>(plane.width) / plane.height, n, seed)) {
+    positions.push_back(to_plane({static_cast<float>(p.x), static_cast<float>(p.y)}, plane));
   }
   return positions;
 }

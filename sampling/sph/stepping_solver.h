@@ -1,0 +1,57 @@
+// What all engines have in common: bookkeeping, the loop of relax(), its step length and its end. An engine adds the
+// storage of the particles and one step.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sampling/sph/problem.h"
+#include "sampling/sph/solver.h"
+
+namespace abn::sph {
+
+/// Sums over the free particles in one step.
+struct StepSums {
+  double mean_density = 0;  // of all but the ghosts
+  double displacement = 0;
+  double max_displacement = 0;
+  std::uint64_t moving = 0;  // particles displaced by at least the tolerance
+  std::uint64_t non_finite = 0;
+};
+
+class SteppingSolver : public Solver {
+ public:
+  void set_size_field(const Grid<float>& s) final;
+  void freeze(std::span<const std::uint32_t> ids) final;
+  RelaxReport relax(int max_steps, bool stop_early) final;
+  std::span<const Vec2f> positions() final;
+  std::span<const Vec2f> ghosts() final;
+
+ protected:
+  /// Validates, unless a problem is given. The derived constructor calls load(problem()).
+  explicit SteppingSolver(const Setup& setup);
+  SteppingSolver(const Setup& setup, Problem problem);
+
+  /// Takes the particles over, at rest.
+  virtual void load(const Problem& problem) = 0;
+  /// One step of every particle that is not fixed.
+  virtual StepSums step(double length) = 0;
+  /// Writes the particles' positions by id [d], ghosts included.
+  virtual void store(std::vector<double>& x, std::vector<double>& y) = 0;
+
+  const Setup& setup() const { return setup_; }  // its spans are empty
+  const Problem& problem() const { return problem_; }
+  /// By id, ghosts included: 1 = moves no more. Empty = all free.
+  const std::vector<std::uint8_t>& fixed() const { return fixed_; }
+
+ private:
+  void fix_ghosts();
+
+  Setup setup_;
+  Problem problem_;
+  std::vector<std::uint8_t> fixed_;
+  std::vector<Vec2f> positions_, ghosts_;  // [px]
+};
+
+}  // namespace abn::sph
