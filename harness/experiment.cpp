@@ -2,20 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
 #include <map>
 #include <memory>
-#include <system_error>
 
+#include "harness/experiment_loop.h"
 #include "harness/image_io.h"
 #include "harness/output.h"
-#include "harness/progress.h"
-#include "harness/rows.h"
 #include "harness/summary.h"
 #include "sampling/atomic_file.h"
 #include "sampling/error.h"
@@ -47,76 +39,8 @@ std::vector<std::string> csv_columns(const ExperimentSpec& spec, const std::vect
   return columns;
 }
 
-/// A name for files: letters, digits, dots and dashes of `text`.
-std::string file_name(const std::string& text) {
-  std::string name;
-  for (const char c : text) {
-    const bool plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '-';
-    name += plain ? c : '_';
-  }
-  return name;
-}
-
 std::string scene_name(const std::string& scene) {
   return scene.starts_with("scene:") ? scene.substr(6) : fs::path(scene).stem().string();
-}
-
-/// Holds a folder for one process, until that ends: two that append to the same rows would lose some.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder)
-      : descriptor_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    // A file system without locks is trusted to have one user.
-    if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      ::close(descriptor_);
-      throw IoError(fmt::format(
-          "{}: another `abn run` writes its results there; wait for its end, or give another --out", folder.string()));
-    }
-  }
-  ~FolderLock() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-  }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int descriptor_;
-};
-
-/// Makes or checks the folder and takes it for this process; with `overwrite` the pictures and tables of earlier
-/// results are removed.
-std::unique_ptr<FolderLock> prepare_folder(const ExperimentOptions& options) {
-  std::error_code error;
-  const bool there = fs::exists(options.out, error);
-  if (there && !fs::is_directory(options.out, error)) {
-    throw IoError(
-        fmt::format("{}: this is no folder; give the folder of the results with --out", options.out.string()));
-  }
-  if (there && !options.resume && !options.overwrite) {
-    throw ConfigError(fmt::format(
-        "{}: the folder exists; go on with --resume, replace its results with --overwrite, or give another --out",
-        options.out.string()));
-  }
-  if (there && options.overwrite && !fs::is_empty(options.out) && !fs::exists(options.out / "runs.jsonl")) {
-    throw ConfigError(
-        fmt::format("{}: --overwrite replaces the results of an experiment, and this folder holds none (no "
-                    "runs.jsonl); give another --out",
-                    options.out.string()));
-  }
-  fs::create_directories(options.out, error);
-  if (error)
-    throw IoError(fmt::format("{}: cannot be made: {}; give a writable folder with --out", options.out.string(),
-                              error.message()));
-  auto lock = std::make_unique<FolderLock>(options.out);
-  if (there && options.overwrite) {
-    fs::remove_all(options.out / "images", error);
-    fs::remove(options.out / "table.md", error);
-    for (const auto& entry : fs::directory_iterator(options.out)) {
-      if (entry.path().filename().string().starts_with("overview")) fs::remove(entry.path(), error);
-    }
-  }
-  return lock;
 }
 
 std::string picture_stem(const std::string& scene, std::uint64_t samples, const std::string& label) {
@@ -197,60 +121,44 @@ fs::path draw_overviews(const ExperimentSpec& spec, const fs::path& out, const s
 ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOptions& options) {
   const std::vector<RunSpec> all = spec.expand();
   if (spec.images) require_own_pictures(spec);
-  const auto lock = prepare_folder(options);
+  const ExperimentFolder folder(options);
   RowFile file(options.out, csv_columns(spec, all), options.resume);
-  ExperimentOutcome outcome;
-
-  std::vector<const RunSpec*> todo;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (i % options.shards != options.shard) continue;
-    if (file.has(run_key(all[i]))) {
-      ++outcome.skipped;
-    } else {
-      todo.push_back(&all[i]);
-    }
-  }
-
   const fs::path images = options.out / "images";
   if (spec.images) fs::create_directories(images);
-  std::unique_ptr<Subject> subject;
-  Progress progress(spec.name, todo.size(), options.quiet);
-  try {
-    for (std::size_t i = 0; i < todo.size(); ++i) {
-      const RunSpec& run_spec = *todo[i];
-      stop_if_interrupted();
-      progress.update(i,
-                      fmt::format("{} {} seed {}", scene_name(run_spec.subject.scene), run_spec.label, run_spec.seed));
-      if (!subject || subject->spec != run_spec.subject) {
-        subject.reset();  // one source at a time in memory
-        subject = load_subject(run_spec.subject);
-        progress.clear();
-        if (!options.quiet) {
-          for (const auto& notice : subject->notices)
-            fmt::print(stderr, "abn: {}: {}\n", run_spec.subject.scene, notice);
-        }
-        if (spec.images) {
-          save_truth(images, *subject);
-        }
-      }
-      const RunResult result = run(run_spec, *subject, spec.metrics);
-      Json row = {{"experiment", spec.name}, {"key", run_key(run_spec)}};
-      row.update(to_json(result));
-      row["input_hash"] = result.source_hash;
-      row["build"] = reproducibility_record();
-      // Pictures first: where there is a row, a resumed experiment finds its pictures.
-      if (spec.images && run_spec.seed == spec.first_seed) save_pictures(images, result, *subject, spec.gain);
-      file.append(row);
-      if (options.json) {
-        fmt::print("{}\n", row.dump());
-        std::fflush(stdout);  // whoever reads the pipe wants finished rows, not blocks
-      }
-    }
-  } catch (const Interrupted&) {
-    outcome.stopped = true;
-  }
-  progress.clear();
 
+  Progress* bar = nullptr;
+  std::unique_ptr<Subject> subject;
+  const auto do_run = [&](const RunSpec& run_spec) {
+    if (!subject || subject->spec != run_spec.subject) {
+      subject.reset();  // one source at a time in memory
+      subject = load_subject(run_spec.subject);
+      bar->clear();
+      if (!options.quiet) {
+        for (const auto& notice : subject->notices) fmt::print(stderr, "abn: {}: {}\n", run_spec.subject.scene, notice);
+      }
+      if (spec.images) save_truth(images, *subject);
+    }
+    const RunResult result = run(run_spec, *subject, spec.metrics);
+    Json row = to_json(result);
+    row["input_hash"] = result.source_hash;
+    // Pictures first: where there is a row, a resumed experiment finds its pictures.
+    if (spec.images && run_spec.seed == spec.first_seed) save_pictures(images, result, *subject, spec.gain);
+    return row;
+  };
+  std::vector<Job> jobs;
+  for (const RunSpec& run_spec : all) {
+    jobs.push_back(
+        {.key = run_key(run_spec),
+         .detail = fmt::format("{} {} seed {}", scene_name(run_spec.subject.scene), run_spec.label, run_spec.seed),
+         .work = [&do_run, &run_spec] { return do_run(run_spec); }});
+  }
+  Progress progress(spec.name, count_jobs(jobs, options, file), options.quiet);
+  bar = &progress;
+  const LoopOutcome loop = run_jobs(spec.name, jobs, options, file, progress);
+
+  ExperimentOutcome outcome;
+  outcome.skipped = loop.skipped;
+  outcome.stopped = loop.stopped;
   outcome.rows = file.rows().size();
   try {
     outcome.table = summary_table(file.rows(), spec.baseline);

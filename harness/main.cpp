@@ -51,6 +51,18 @@ CLI::Validator finite(bool positive) {
   return {check, ""};
 }
 
+/// A number from 0 to 1.
+CLI::Validator share() {
+  const auto check = [](const std::string& word) -> std::string {
+    double value = 0;
+    const char* end = word.data() + word.size();
+    const auto [rest, error] = std::from_chars(word.data(), end, value);
+    if (error == std::errc{} && rest == end && value >= 0 && value <= 1) return {};
+    return fmt::format("'{}' is no number from 0 to 1", word);
+  };
+  return {check, ""};
+}
+
 /// Not the empty word that an unset variable of a script leaves.
 CLI::Validator given() {
   return {[](const std::string& word) { return std::string(word.empty() ? "the value is empty; give one" : ""); }, ""};
@@ -68,6 +80,7 @@ struct CommandLine {
   DownscaleOptions downscale;
   RunOptions run;
   PointsOptions points;
+  AnalyzeOptions analyze;
   CompareOptions compare;
   TruthOptions truth;
   SceneOptions scene;
@@ -109,12 +122,14 @@ struct CommandLine {
     add_downscale();
     add_run();
     add_points();
+    add_analyze();
     add_compare();
     add_truth();
     add_scene();
-    auto* c = verb("list", "what there is: strategies, scenes, filters, reconstructions, metrics",
+    auto* c = verb("list", "what there is: strategies, scenes, filters, reconstructions, metrics, point_metrics",
                    "abn list strategies jitter", [this] { return abn::harness::list(global, list); });
-    c->add_option("KIND", list.kind, "strategies, scenes, filters, reconstructions or metrics; nothing = all names");
+    c->add_option("KIND", list.kind,
+                  "strategies, scenes, filters, reconstructions, metrics or point_metrics; nothing = all names");
     c->add_option("NAME", list.name, "one of them in full: parameters, whom to cite, when to use it");
     verb("info", "version, libraries, processor, data folders", "abn info --json", [this] { return info(global); });
   }
@@ -167,12 +182,33 @@ struct CommandLine {
     c->add_option("--count", o.count, "number of samples")->required()->check(whole(1, kMaxBudget));
     c->add_option("--seed", o.seed, "seed")->check(whole(0, kMaxSeed))->capture_default_str();
     c->add_option("--set", o.set, "a parameter of the strategy, KEY=VALUE (repeatable)")->allow_extra_args(false);
-    c->add_option("--density", o.density, "image or scene whose luminance is the density of the samples")
-        ->check(given());
+    add_density(c, o.density, o.density_floor);
     add_reading(c, o.channels, o.on_nonfinite);
+    c->add_option("--picture", o.picture, "draw the points here, white dots on black: bright where they are many")
+        ->check(given());
     c->add_option("--format", o.format, "utk, utk-bin, psa, rps or csv; default by the extension, else utk")
         ->check(given());
     c->add_option("-o,--output", o.output, "file to write")->required()->check(given());
+  }
+  void add_analyze() {
+    auto& o = analyze;
+    auto* c = verb("analyze", "spectrum, distances, order, discrepancy and integration error of point sets",
+                   "abn analyze --strategy jitter --count 1024 --sets 5 -o /tmp/jitter_analysis",
+                   [this] { return abn::harness::analyze(global, analyze); });
+    c->add_option("FILE", o.file, "points on the unit square, as abn points writes them; or give --strategy")
+        ->check(given());
+    c->add_option("--strategy", o.strategy, "draw the points with it: abn list strategies; or command:CMD")
+        ->check(given());
+    c->add_option("--count", o.count, "points in a set, default 4096")->check(whole(1, kMaxBudget));
+    c->add_option("--sets", o.sets, "number of sets, with the seeds from --seed on, default 10")
+        ->check(whole(1, 100000));
+    c->add_option("--seed", o.seed, "seed of the first set")->check(whole(0, kMaxSeed))->capture_default_str();
+    c->add_option("--set", o.set, "a parameter of the strategy, KEY=VALUE (repeatable)")->allow_extra_args(false);
+    add_density(c, o.density, o.density_floor);
+    add_reading(c, o.channels, o.on_nonfinite);
+    c->add_option("--pixels", o.pixels, "grid for the variation of counts")->capture_default_str();
+    c->add_option("-o,--output", o.output, "folder for analysis.json and pictures (points, spectrum, radial, …, sheet)")
+        ->check(given());
   }
   void add_compare() {
     auto& o = compare;
@@ -216,6 +252,16 @@ struct CommandLine {
                   "between texel centres: nearest, bilinear, or analytic (scene:apple_analytic)")
         ->capture_default_str();
     add_reading(c, channels, on_nonfinite);
+  }
+  static void add_density(CLI::App* c, std::string& density, double& floor) {
+    c->add_option(
+         "--density", density,
+         "density wanted: luminance of an image or scene:NAME (bright = many points), or size:NAME[:RATIO], the "
+         "density s^-2 of a spacing s such as smooth, ramp, step or disc")
+        ->check(given());
+    c->add_option("--density-floor", floor, "raise lower densities to this share of the highest one")
+        ->check(share())
+        ->capture_default_str();
   }
   static void add_reading(CLI::App* c, std::string& channels, std::string& on_nonfinite) {
     c->add_option("--channels", channels, "channels of the file to use, one or three names or numbers, e.g. R,G,B")

@@ -123,7 +123,7 @@ examples() {
   succeeds "$work/help" --help
   grep -E '^  abn ' "$work/help" >"$work/lines" || fail "--help has no example"
   verbs=$(sed -n '/^Subcommands:/,/^$/p' "$work/help" | awk '/^  [a-z]/ { print $1 }')
-  for verb in downscale run points compare truth scene list info; do grep -qw "$verb" <<<"$verbs" || fail "--help does not name $verb"; done
+  for verb in downscale run points analyze compare truth scene list info; do grep -qw "$verb" <<<"$verbs" || fail "--help does not name $verb"; done
   # In this order each example finds the files of those before.
   for verb in downscale truth compare $(grep -vwE 'downscale|truth|compare' <<<"$verbs"); do
     succeeds "$work/help.$verb" "$verb" --help
@@ -191,6 +191,17 @@ refusals() {
   spawn refused 2 'holds 2 points, but 3' downscale scene:ramp --strategy "file:$in/two.txt" --samples 3
   spawn refused 3 'no such file' downscale scene:ramp --strategy file:nowhere.txt --samples 3
   spawn refused 3 'exit status 7; the last line.*why' downscale scene:ramp --strategy 'command:echo why >&2; exit 7'
+  spawn refused 2 'a file of points, or a strategy' analyze
+  spawn refused 2 'not both' analyze "$in/two.txt" --strategy jitter
+  spawn refused 2 'leave out --count' analyze "$in/two.txt" --count 5
+  spawn refused 2 "strategy 'nonsense'.*jitter" analyze --strategy nonsense
+  spawn refused 2 "unknown parameter 'nonsense'" analyze --strategy halton --set nonsense=1
+  spawn refused 2 "size field 'nonsense'.*smooth" analyze --strategy jitter --density size:nonsense
+  spawn refused 2 "'2' is no number from 0 to 1" analyze --strategy jitter --density size:ramp --density-floor 2
+  spawn refused 2 'pixels.*200x200' analyze --strategy jitter --pixels many
+  spawn refused 3 "nowhere.txt.*no such file" analyze nowhere.txt
+  spawn refused 3 'this is no folder' analyze --strategy jitter -o "$in/two.txt"
+  spawn refused 2 'Known formats|extension|format' points --strategy jitter --count 5 -o x.txt --picture x.nonsense
   spawn refused 3 'create the folder' points --strategy dart --count 2000000 -o nowhere/x.txt # before the slow work
   spawn refused 2 "metric 'nonsense'.*known" compare "$in/text.png" "$in/text.png" --metric nonsense
   spawn refused 3 "no experiment 'nonsense'; known:.*main" run nonsense
@@ -212,6 +223,14 @@ refusals() {
   bad_spec syntax 'syntax.toml:1: not valid TOML' 2 'scenes = ['
   bad_spec unknown_key "unknown_key.toml:3: unknown key 'nonsense'.*known:" 2 "$ramp" "$spp" 'nonsense = 3' "$jitter"
   bad_spec same_budget 'lists 40000 twice' 2 "$ramp" 'spp = [1, 1]' "$jitter"
+  points='kind = "points"' counts='counts = 16'
+  bad_spec other_kind "'kind' must be \"images\" or \"points\"" 2 'kind = "nonsense"' "$counts" "$jitter"
+  bad_spec no_counts 'no counts; add counts = ' 2 "$points" "$jitter"
+  bad_spec point_metric "metric 'rmse' of point sets is unknown; known metrics: .*relative_radius" 2 "$points" "$counts" 'metrics = ["rmse"]' "$jitter"
+  bad_spec sweep_who "no strategy 'halton'; it has: jitter" 2 "$points" "$counts" "$jitter" $'[sweep]\nhalton.scramble = ["owen", "none"]'
+  bad_spec sweep_how "'sweep' must hold lines such as" 2 "$points" "$counts" "$jitter" $'[sweep]\njitter = 3'
+  bad_spec same_sets 'are the same sets' 2 "$points" "$counts" "$jitter" "$jitter"$'\nlabel = "again"'
+  bad_spec point_density "scene 'nonsense' is unknown" 2 "$points" "$counts" 'density = "scene:nonsense"' "$jitter"
   bad_spec no_image "nowhere.png': there is no such file" 3 'scenes = ["nowhere.png"]' "$spp" "$jitter"
   wait
   [[ $(ls "$in/exists") == kept ]] || fail "run --overwrite touched a folder that is no experiment: $(ls "$in/exists")"
@@ -312,6 +331,22 @@ other_verbs() {
   succeeds o points --strategy sobol_owen --count 4000 --density scene:ramp -o dense.csv
   awk -F, 'NR > 1 && $1 > .5 { ++right } END { exit !(right > 2900 && right < 3100) }' dense.csv || fail "points --density: a ramp must put 3/4 of the points into the right half"
   [[ $("$abn" points --strategy jitter --count 5 -o /dev/stdout --format utk 2>/dev/null | wc -l) == 5 ]] || fail "points -o /dev/stdout: more than the points on stdout"
+  succeeds o points --strategy random --count 3000 --density size:step:3 --picture dots.png -o step.csv
+  awk -F, 'NR > 1 && $1 < .5 { ++left } END { exit !(left > 2600 && left < 2800) }' step.csv || fail "points --density size:step:3: 9/10 of the points belong into the left half"
+  [[ -s dots.png ]] || fail "points --picture wrote no picture"
+  succeeds analysis.json analyze --strategy jitter --count 256 --sets 3 --json -o analysis
+  json_with analysis.json set spectrum effective_nyquist oscillation low_power peak peak_frequency largest_axis_power largest_axis_frequency axis spacing \
+    relative_radius order discrepancy star counts integration half_plane gaussian disc mean standard_error averaged_spectrum skipped
+  if command -v python3 >/dev/null; then
+    python3 -c 'import json, sys; [json.load(open(name)) for name in sys.argv[1:]]' analysis.json analysis/analysis.json || fail "analyze: its JSON does not parse"
+  fi
+  for file in analysis.json points.png spectrum.png radial.png pair_correlation.png sheet.png; do [[ -s analysis/$file ]] || fail "analyze -o did not write $file"; done
+  succeeds file.txt analyze p.utk && grep -q '^p.utk: 1 set of 64 points' file.txt && grep -q 'half_plane' file.txt || fail "analyze of a file: $(head -n 3 file.txt)"
+  ! grep -qiw 'nan' file.txt || fail "analyze of a file prints NaN"
+  "$abn" points --strategy jitter --count 256 --quiet -o j.utk
+  succeeds j.json analyze j.utk --json
+  succeeds k.json analyze --strategy jitter --count 256 --sets 1 --json
+  [[ $(sed 's/"set":{[^}]*}*//; s/.*"spectrum"/"spectrum"/; s/,"run".*//' j.json) == "$(sed 's/.*"spectrum"/"spectrum"/; s/,"run".*//' k.json)" ]] || fail "analyze: a file and the strategy it came from give different numbers"
   succeeds scene.json scene ramp --size 7 -o ramp.png --json && json_with scene.json width height hash
   [[ $(number scene.json width) == 7 ]] || fail "scene --size 7 is $(number scene.json width) wide"
   succeeds lhs list strategies lhs && { grep -q '^name *nrooks' lhs || fail "list strategies lhs does not name nrooks"; }
@@ -394,6 +429,34 @@ TOML
   }
   stopped INT 130
   { stopped KILL 137; } 2>/dev/null # bash reports the kill
+  cat >sets.toml <<'TOML'
+kind = "points"
+name = "sets"
+counts = [64, 100]
+seeds = 4
+images = true
+metrics = ["relative_radius", "empty_cells"]
+[[strategy]]
+name = "jitter"
+[[strategy]]
+name = "halton"
+[sweep]
+halton.scramble = ["none", "owen"]
+halton.domain = ["plane", "pixel"]
+TOML
+  succeeds plan run sets.toml --dry-run
+  [[ $(wc -l <plan) == 40 ]] || fail "run --dry-run of point sets: $(wc -l <plan) runs instead of 40"
+  succeeds table run sets.toml --out sets
+  [[ $(rows sets) == 40 && $(ls sets/points | wc -l) == 40 && -s sets/overview_64.png && -s sets/map_64_halton_relative_radius.png ]] ||
+    fail "run of point sets: $(rows sets) rows, $(ls sets sets/points | tr '\n' ' ')"
+  grep -q 'scramble=owen domain=pixel .* ± ' table || fail "run of point sets: the table lacks a swept strategy: $(cat table)"
+  cp -r sets sets_cut
+  sed -i '$ s/.\{60\}$//' sets_cut/runs.jsonl
+  rm sets_cut/overview_64.png
+  succeeds o run sets.toml --out sets_cut --resume --json
+  [[ $(wc -l <o) == 1 && -s sets_cut/overview_64.png ]] || fail "run --resume of point sets did $(wc -l <o) runs instead of 1, or no overview"
+  same_rows sets_cut sets "point sets, a cut-off last line"
+
   "$abn" run "$in/many.toml" --json >/dev/full 2>o.err
   code=$?
   ((code == 3 && $(wc -l <o.err) == 1)) || fail "run --json >/dev/full: exit code $code instead of 3: $(cat o.err)"

@@ -46,6 +46,17 @@ const Json& reproducibility_record() {
   return record;
 }
 
+Json to_json(const std::vector<Diagnostic>& diagnostics) {
+  Json json = Json::array();
+  for (const auto& diagnostic : diagnostics) {
+    Json item = {{"name", diagnostic.name}, {"value", number(diagnostic.value)}};
+    if (!diagnostic.text.empty()) item["text"] = diagnostic.text;
+    if (diagnostic.warning) item["warning"] = true;
+    json.push_back(std::move(item));
+  }
+  return json;
+}
+
 Json to_json(const RunResult& result) {
   const RunSpec& spec = result.spec;
   const Extent to = spec.subject.to;
@@ -77,13 +88,7 @@ Json to_json(const RunResult& result) {
   json["passes"] = result.passes;
   json["empty_pixels"] = result.empty_pixels;
   json["max_samples_per_pixel"] = result.max_samples_per_pixel;
-  json["diagnostics"] = Json::array();
-  for (const auto& diagnostic : result.diagnostics) {
-    Json item = {{"name", diagnostic.name}, {"value", number(diagnostic.value)}};
-    if (!diagnostic.text.empty()) item["text"] = diagnostic.text;
-    if (diagnostic.warning) item["warning"] = true;
-    json["diagnostics"].push_back(std::move(item));
-  }
+  json["diagnostics"] = to_json(result.diagnostics);
   return json;
 }
 

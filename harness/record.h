@@ -16,6 +16,9 @@ const Json& reproducibility_record();
 /// The object that `abn downscale --json` prints and `runs.jsonl` holds; an undefined score is null.
 Json to_json(const RunResult& result);
 
+/// [{"name","value","text","warning"}], the last two only where there is one.
+Json to_json(const std::vector<Diagnostic>& diagnostics);
+
 /// Nested keys joined by dots ("scores.rmse"), arrays as JSON text: one level, for CSV.
 std::map<std::string, std::string> flatten(const Json& json);
 

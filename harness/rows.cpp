@@ -48,6 +48,12 @@ off_t append_line(int descriptor, const std::filesystem::path& path, const std::
 
 }  // namespace
 
+std::string hash_key(std::string_view canonical) {
+  std::uint64_t hash = 14695981039346656037U;  // FNV-1a
+  for (const char c : canonical) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
+  return fmt::format("{:016x}", hash);
+}
+
 RowFile::RowFile(const std::filesystem::path& folder, std::vector<std::string> columns, bool keep)
     : jsonl_path_(folder / "runs.jsonl"), csv_path_(folder / "runs.csv"), columns_(std::move(columns)) {
   std::string jsonl;

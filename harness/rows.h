@@ -5,11 +5,15 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/record.h"
 
 namespace abn::harness {
+
+/// 16 hexadecimal digits that stand for a canonical spec: the key of a row.
+std::string hash_key(std::string_view canonical);
 
 /// Rows that survive anything: each is appended in one write and flushed to the disk before the next run starts; a
 /// line cut off by a crash is dropped when the file is opened again.

@@ -15,6 +15,7 @@
 #include "harness/image_io.h"
 #include "harness/metrics.h"
 #include "harness/reconstruction.h"
+#include "harness/rows.h"
 #include "harness/scenes.h"
 #include "sampling/error.h"
 
@@ -166,11 +167,7 @@ std::string canonical(const RunSpec& spec) {
   return json.dump();
 }
 
-std::string run_key(const RunSpec& spec) {
-  std::uint64_t hash = 14695981039346656037U;  // FNV-1a
-  for (const char c : canonical(spec)) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
-  return fmt::format("{:016x}", hash);
-}
+std::string run_key(const RunSpec& spec) { return hash_key(canonical(spec)); }
 
 SampleBatch next_batch(Sampler& sampler, const Feedback& seen) {
   try {

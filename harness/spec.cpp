@@ -2,136 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <toml++/toml.h>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "harness/data_path.h"
 #include "harness/metrics.h"
+#include "harness/toml_reader.h"
 #include "sampling/error.h"
 
 namespace abn::harness {
 namespace {
-
-/// Reads keys of one TOML table, remembers which were read, and refuses the rest.
-class TableReader {
- public:
-  TableReader(const toml::table& table, std::string file) : table_(table), file_(std::move(file)) {}
-
-  std::string text(const std::string& key, std::string fallback) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return fallback;
-    if (!node->is_string()) fail(*node, key, "text in quotes");
-    return **node->as_string();
-  }
-  bool boolean(const std::string& key, bool fallback) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return fallback;
-    if (!node->is_boolean()) fail(*node, key, "true or false");
-    return **node->as_boolean();
-  }
-  double number(const std::string& key, double fallback, double lo, double hi) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return fallback;
-    const auto value = node->value<double>();
-    if (!node->is_number() || !(*value >= lo && *value <= hi))
-      fail(*node, key, fmt::format("a number in [{}, {}]", lo, hi));
-    return *value;
-  }
-  std::uint64_t whole(const std::string& key, std::uint64_t fallback, std::uint64_t lo) {
-    const toml::node* node = find(key);
-    if (node == nullptr) return fallback;
-    if (!node->is_integer() || **node->as_integer() < static_cast<std::int64_t>(lo))
-      fail(*node, key, fmt::format("a whole number >= {}", lo));
-    return static_cast<std::uint64_t>(**node->as_integer());
-  }
-  /// A list, or one element without brackets.
-  template <class Read>
-  auto list(const std::string& key, const std::string& wanted, Read read) {
-    std::vector<typename decltype(read(std::declval<const toml::node&>()))::value_type> values;
-    const toml::node* node = find(key);
-    if (node == nullptr) return values;
-    const auto append = [&](const toml::node& element) {
-      const auto value = read(element);
-      if (!value) fail(element, key, wanted);
-      values.push_back(*value);
-    };
-    if (const toml::array* array = node->as_array()) {
-      for (const auto& element : *array) append(element);
-      if (values.empty()) fail(*node, key, wanted);
-    } else {
-      append(*node);
-    }
-    return values;
-  }
-  std::vector<std::string> texts(const std::string& key) {
-    return list(key, "text in quotes, or a list of such",
-                [](const toml::node& n) { return n.value_exact<std::string>(); });
-  }
-  const toml::node* find(const std::string& key) {
-    known_.insert(key);
-    return table_.get(key);
-  }
-  /// Throws for the first key that nobody asked for.
-  void refuse_unknown(const std::string& where) const {
-    for (const auto& [key, node] : table_) {
-      if (known_.contains(std::string(key.str()))) continue;
-      throw ConfigError(fmt::format("{}:{}: unknown key '{}' in {}; known: {}", file_, node.source().begin.line,
-                                    key.str(), where, fmt::join(known_, " ")));
-    }
-  }
-  [[noreturn]] void fail(const toml::node& node, const std::string& key, const std::string& wanted) const {
-    throw ConfigError(fmt::format("{}:{}: '{}' must be {}", file_, node.source().begin.line, key, wanted));
-  }
-
- private:
-  const toml::table& table_;
-  std::string file_;
-  std::set<std::string> known_;
-};
-
-std::string word_of(TableReader& reader, const std::string& key, const toml::node& node) {
-  if (const auto* text = node.as_string()) return **text;
-  if (const auto* boolean = node.as_boolean()) return **boolean ? "true" : "false";
-  if (const auto* integer = node.as_integer()) return std::to_string(**integer);
-  if (const auto* number = node.as_floating_point()) return fmt::format("{}", **number);
-  reader.fail(node, key, "a text, number or bool");
-}
-
-StrategyChoice read_strategy(const toml::table& table, const std::string& file) {
-  TableReader reader(table, file);
-  StrategyChoice choice;
-  choice.name = reader.text("name", "");
-  choice.label = reader.text("label", choice.name);
-  if (const toml::node* set = reader.find("set")) {
-    if (!set->is_table()) reader.fail(*set, "set", "a table such as { key = \"value\" }");
-    for (const auto& [key, node] : *set->as_table())
-      choice.parameters[std::string(key.str())] = word_of(reader, std::string(key.str()), node);
-  }
-  reader.refuse_unknown("[[strategy]]");
-  if (choice.name.empty()) {
-    throw ConfigError(fmt::format("{}:{}: [[strategy]] without a name; add name = \"jitter\" (abn list strategies)",
-                                  file, table.source().begin.line));
-  }
-  return choice;
-}
-
-/// An image that is missing must show before the first run, not between two.
-void require_file(const std::string& image) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(image, ignored))
-    throw IoError(fmt::format("cannot read image '{}': there is no such file; check the path", image));
-}
-
-/// Throws if a list names something twice: the same run would be done twice.
-template <class T>
-void require_distinct(const std::vector<T>& values, const std::string& key) {
-  std::set<T> seen;
-  for (const auto& value : values) {
-    if (!seen.insert(value).second) throw ConfigError(fmt::format("'{}' lists {} twice; leave one out", key, value));
-  }
-}
 
 std::string known_experiments() {
   std::set<std::string> names;
@@ -162,18 +43,11 @@ std::filesystem::path find_experiment(const std::string& word) {
 
 ExperimentSpec load_experiment(const std::filesystem::path& path) {
   const std::string file = path.string();
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored))
-    throw IoError(fmt::format("{}: no such file; give the path of an experiment (TOML)", file));
-  toml::table table;
-  try {
-    table = toml::parse_file(file);
-  } catch (const toml::parse_error& error) {
-    if (error.source().begin.line == 0) throw IoError(fmt::format("{}: cannot be read: {}", file, error.description()));
-    throw ConfigError(fmt::format("{}:{}: not valid TOML: {}", file, error.source().begin.line, error.description()));
-  }
-
+  const toml::table table = parse_experiment_file(path);
   TableReader reader(table, file);
+  if (reader.text("kind", "images") != "images") {
+    throw ConfigError(fmt::format("{}: this experiment is of another kind than images; abn run runs it", file));
+  }
   ExperimentSpec spec;
   spec.name = reader.text("name", path.stem().string());
   spec.title = reader.text("title", spec.name);
@@ -222,15 +96,8 @@ ExperimentSpec load_experiment(const std::filesystem::path& path) {
   }
   for (const std::int64_t value : samples) spec.budgets.push_back(static_cast<std::uint64_t>(value));
 
-  if (const toml::node* list = reader.find("strategy")) {
-    const toml::array* array = list->as_array();
-    if (array == nullptr || !array->is_array_of_tables())
-      reader.fail(*list, "strategy", "given as [[strategy]] tables");
-    for (const auto& entry : *array) spec.strategies.push_back(read_strategy(*entry.as_table(), file));
-  }
+  spec.strategies = read_strategies(reader, file);
   reader.refuse_unknown("the experiment");
-  if (spec.strategies.empty())
-    throw ConfigError(fmt::format("{}: no [[strategy]]; add one with a name (abn list strategies)", file));
   if (spec.metrics.empty()) {
     for (const auto& metric : metrics()) spec.metrics.push_back(metric.name);
   }
@@ -242,7 +109,7 @@ ExperimentSpec load_experiment(const std::filesystem::path& path) {
   return spec;
 }
 
-void apply_override(ExperimentSpec& spec, const std::string& assignment) {
+void apply_override(std::vector<StrategyChoice>& strategies, const std::string& assignment) {
   const auto equals = assignment.find('=');
   const auto dot = assignment.rfind('.', equals);
   if (equals == std::string::npos || dot == std::string::npos || dot == 0 || dot + 1 == equals) {
@@ -251,14 +118,14 @@ void apply_override(ExperimentSpec& spec, const std::string& assignment) {
   }
   const std::string name = assignment.substr(0, dot);
   bool found = false;
-  for (auto& choice : spec.strategies) {
+  for (auto& choice : strategies) {
     if (choice.name != name && choice.label != name) continue;
     choice.parameters[assignment.substr(dot + 1, equals - dot - 1)] = assignment.substr(equals + 1);
     found = true;
   }
   if (!found) {
     std::vector<std::string> names;
-    for (const auto& choice : spec.strategies) names.push_back(choice.label);
+    for (const auto& choice : strategies) names.push_back(choice.label);
     throw ConfigError(fmt::format("--set {}: the experiment has no strategy '{}'; it has: {}", assignment, name,
                                   fmt::join(names, ", ")));
   }
@@ -294,20 +161,13 @@ std::vector<RunSpec> ExperimentSpec::expand() const {
 }
 
 void validate(const ExperimentSpec& spec) {
-  if (spec.name.empty() || spec.name == "." || spec.name == ".." || spec.name.find('/') != std::string::npos)
-    throw ConfigError(fmt::format("'name' is '{}'; give a folder name without '/'", spec.name));
+  require_names(spec.name, spec.strategies);
   for (const auto& metric : spec.metrics) find_metric(metric);
   require_distinct(spec.metrics, "metrics");
   require_distinct(spec.scenes, "scenes");
   require_distinct(spec.budgets, "samples or spp");
   std::set<std::string> labels;
-  for (const auto& choice : spec.strategies) {
-    if (choice.label.empty())
-      throw ConfigError(fmt::format("strategy {} has an empty label; leave it out", choice.name));
-    if (!labels.insert(choice.label).second) {
-      throw ConfigError(fmt::format("two strategies are labelled '{}'; give each a label of its own", choice.label));
-    }
-  }
+  for (const auto& choice : spec.strategies) labels.insert(choice.label);
   if (!spec.baseline.empty() && !labels.contains(spec.baseline)) {
     throw ConfigError(
         fmt::format("baseline '{}' is no strategy's label; labels: {}", spec.baseline, fmt::join(labels, ", ")));
@@ -319,7 +179,7 @@ void validate(const ExperimentSpec& spec) {
   for (const auto& run : one_seed.expand()) {
     validate(run);
     require_sampler(run);
-    if (!run.subject.scene.starts_with("scene:")) require_file(run.subject.scene);
+    require_scene(run.subject.scene);
   }
 }
 

@@ -1,5 +1,6 @@
 // An experiment as a person writes it (TOML), validated as a whole before anything runs.
 //
+//   kind = "images"                      # the default; "points": harness/point_spec.h
 //   name = "fig_4_2"                     # names the output folder
 //   title = "…"   thesis = "fig. 4.2"    # for tables and reports
 //   scenes = ["scene:apple"]             # scenes and image files (relative to the spec)
@@ -56,7 +57,10 @@ std::filesystem::path find_experiment(const std::string& word);
 ExperimentSpec load_experiment(const std::filesystem::path& file);
 
 /// Applies one `--set STRATEGY.KEY=VALUE` to every entry of that strategy (by name or label). Throws ConfigError.
-void apply_override(ExperimentSpec& spec, const std::string& assignment);
+void apply_override(std::vector<StrategyChoice>& strategies, const std::string& assignment);
+inline void apply_override(ExperimentSpec& spec, const std::string& assignment) {
+  apply_override(spec.strategies, assignment);
+}
 
 /// Validates every run of an experiment. Throws ConfigError.
 void validate(const ExperimentSpec& spec);

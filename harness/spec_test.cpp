@@ -4,6 +4,7 @@
 
 #include <fstream>
 
+#include "harness/point_spec.h"
 #include "sampling/error.h"
 #include "sampling/test_folder.h"
 
@@ -122,7 +123,11 @@ TEST(Spec, EveryShippedExperimentIsValid) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(find_experiment("main").parent_path())) {
     if (entry.path().extension() != ".toml") continue;
-    EXPECT_NO_THROW(load_experiment(entry.path())) << entry.path();
+    if (experiment_kind(entry.path()) == "points") {
+      EXPECT_NO_THROW(load_point_experiment(entry.path())) << entry.path();
+    } else {
+      EXPECT_NO_THROW(load_experiment(entry.path())) << entry.path();
+    }
     ++files;
   }
   EXPECT_GE(files, 7);

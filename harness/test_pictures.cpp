@@ -240,4 +240,22 @@ Image render_fbm(Extent size) {
   return image;
 }
 
+Image render_stipple(Extent size) {
+  constexpr double radius = 420;  // [units]
+  Image image = plain(size, 0.01);
+  const auto everywhere = [](double) -> Interval { return {0, sheet}; };
+  paint(
+      image, {0, sheet}, everywhere, [](double, double) { return true; },
+      [](double x, double) { return 0.01 + 0.99 * x / sheet; });
+  const auto disc = [&](double cx, double cy, double value) {
+    paint(
+        image, {cy - radius, cy + radius}, everywhere,
+        [&](double x, double y) { return (x - cx) * (x - cx) + (y - cy) * (y - cy) < radius * radius; },
+        [&](double, double) { return value; });
+  };
+  disc(800, 1500, 1);
+  disc(2200, 1500, 0.05);
+  return image;
+}
+
 }  // namespace abn::harness

@@ -29,4 +29,8 @@ Image render_disks(Extent size);
 /// Nine octaves of value noise, amplitude falling by .62 per octave: energy at every frequency, no edge.
 Image render_fbm(Extent size);
 
+/// A density for stippling (thesis fig. 2.2): .01 at the left to 1 at the right, linear; a disc of 1 in its dark half
+/// and a disc of .05 in its bright half. Never 0.
+Image render_stipple(Extent size);
+
 }  // namespace abn::harness

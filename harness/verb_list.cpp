@@ -8,6 +8,7 @@
 #include "harness/data_path.h"
 #include "harness/filter.h"
 #include "harness/metrics.h"
+#include "harness/point_metrics.h"
 #include "harness/reconstruction.h"
 #include "harness/record.h"
 #include "harness/scenes.h"
@@ -98,6 +99,15 @@ Json metric_rows() {
   return rows;
 }
 
+/// Numbers of point sets: their group heads them in the list.
+Json point_metric_rows() {
+  Json rows = Json::array();
+  for (const auto& metric : point_metrics()) {
+    rows.push_back({{"name", metric.name}, {"family", metric.group}, {"summary", metric.good}, {"unit", metric.unit}});
+  }
+  return rows;
+}
+
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table = {
       {"strategies", strategy_rows},
@@ -105,6 +115,7 @@ const std::vector<Kind>& kinds() {
       {"filters", [] { return plain_rows(filters()); }},
       {"reconstructions", [] { return plain_rows(reconstructions()); }},
       {"metrics", metric_rows},
+      {"point_metrics", point_metric_rows},
   };
   return table;
 }

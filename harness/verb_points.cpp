@@ -1,79 +1,78 @@
-// abn points: a strategy's samples as a file.
+// abn points: a strategy's samples as a file, and as a picture.
 #include <fmt/format.h>
 
-#include <optional>
+#include <algorithm>
 
-#include "harness/backend.h"
+#include "harness/analysis_pictures.h"
+#include "harness/density.h"
+#include "harness/image_io.h"
 #include "harness/output.h"
-#include "harness/progress.h"
+#include "harness/point_source.h"
 #include "harness/record.h"
-#include "harness/run.h"
 #include "harness/verbs.h"
-#include "sampling/density_warp.h"
 #include "sampling/error.h"
 #include "sampling/points_io.h"
 
 namespace abn::harness {
 namespace {
 
-/// Luminance of an image or scene as a density; negative luminances cannot be one.
-Grid<float> load_density(const PointsOptions& options) {
-  SubjectSpec spec;
-  spec.scene = options.density;
-  spec.channels = options.channels;
-  spec.on_nonfinite = options.on_nonfinite;
-  const auto subject = load_subject(spec, false);
-  const Image& source = subject->source;
-  Grid<float> density(source.size);
-  for (std::size_t i = 0; i < density.cells().size(); ++i)
-    density[i] = luminance(&source.texels[i * source.channels], source.channels);
-  return density;
+/// A picture as wide as its density, within what a screen shows.
+void draw_picture(const std::string& path, const DrawnPoints& drawn, const Grid<float>* density) {
+  const std::uint32_t width = density == nullptr ? 1000 : std::clamp(density->size().width, 1000U, 2000U);
+  const Picture picture = draw_stipples(analysis::to_unit(drawn.set.position, drawn.plane), density, width);
+  save_rgb8(path, picture.size(), picture.rgb);
 }
 
 }  // namespace
 
 int points(const GlobalOptions& global, const PointsOptions& options) {
-  ParameterWords words = parse_assignments(options.set);
-  const Strategy& strategy = find_strategy(options.strategy, words);
-  static_cast<void>(strategy.resolve(words));
+  PointTask task{.strategy = options.strategy,
+                 .parameters = parse_assignments(options.set),
+                 .count = options.count,
+                 .seed = options.seed,
+                 .backend = global.backend};
   const PointFormat format = options.format.empty() ? format_for(options.output) : parse_point_format(options.format);
-  const Backend backend = resolve_backend(global.backend);
+  // All that can be wrong shows before the work: a wrong name must not cost minutes.
+  require_points(task);
   require_writable(options.output);
+  if (!options.picture.empty()) {
+    require_writable_image(options.picture);
+    if (is_linear_format(options.picture))
+      throw ConfigError(fmt::format("--picture {}: dots are drawn as 8-bit pictures; give a .png", options.picture));
+  }
+  if (!options.density.empty()) {
+    const LoadedDensity loaded = load_density(
+        options.density,
+        {.channels = options.channels, .on_nonfinite = options.on_nonfinite, .floor = options.density_floor});
+    task.density = loaded.density;
+    for (const auto& notice : loaded.notices)
+      if (!global.quiet) fmt::print(stderr, "abn: {}: {}\n", options.density, notice);
+  }
 
-  // The unit square is a plane of one pixel.
-  const SamplingTask task{.plane = {1, 1}, .budget = options.count, .seed = options.seed, .solver = backend.factory};
-  const auto sampler = strategy.make(task, words);
-  // Read before the work: a wrong name must not cost minutes.
-  std::optional<DensityWarp> warp;
-  if (!options.density.empty()) warp.emplace(load_density(options));
-  const Grid<PixelStats> nothing(task.plane);
-  PointSet set;
   Progress progress(options.strategy, options.count, global.quiet);
   progress.update(0);
-  for (auto batch = next_batch(*sampler, {nothing}); !batch.empty(); batch = next_batch(*sampler, {nothing})) {
-    stop_if_interrupted();
-    set.position.insert(set.position.end(), batch.position.begin(), batch.position.end());
-    set.weight.insert(set.weight.end(), batch.weight.begin(), batch.weight.end());
-    progress.update(set.position.size());
-  }
-  if (warp) {
-    for (auto& position : set.position) position = (*warp)(position);
-  }
+  const DrawnPoints drawn = draw_points(task, &progress);
   stop_if_interrupted();
   progress.update(options.count, "writing");
-  const std::string notice = write_points(options.output, set.view(), task.plane, format);
+  const std::string notice = write_points(options.output, drawn.set.view(), drawn.plane, format);
+  if (!options.picture.empty()) draw_picture(options.picture, drawn, task.density.get());
   progress.clear();
-  if (!notice.empty() && !global.quiet) fmt::print(stderr, "abn: {}: {}\n", options.output, notice);
+  if (!global.quiet) {
+    if (!notice.empty()) fmt::print(stderr, "abn: {}: {}\n", options.output, notice);
+    for (const Diagnostic& diagnostic : drawn.diagnostics) {
+      if (diagnostic.warning)
+        fmt::print(stderr, "abn: {}: {}: {}\n", options.strategy, diagnostic.name, diagnostic.text);
+    }
+  }
+  const std::size_t count = drawn.set.position.size();
   if (global.json) {
-    fmt::print("{}\n", Json({{"strategy", options.strategy},
-                             {"count", set.position.size()},
-                             {"seed", options.seed},
-                             {"file", options.output}})
-                           .dump());
+    Json json = {{"strategy", options.strategy}, {"count", count}, {"seed", options.seed}, {"file", options.output}};
+    if (!options.density.empty()) json["density"] = options.density;
+    if (!options.picture.empty()) json["picture"] = options.picture;
+    fmt::print("{}\n", json.dump());
   } else if (!global.quiet) {
     // The points themselves may be on stdout.
-    fmt::print(options.output.starts_with("/dev/") ? stderr : stdout, "wrote {} points to {}\n", set.position.size(),
-               options.output);
+    fmt::print(options.output.starts_with("/dev/") ? stderr : stdout, "wrote {} points to {}\n", count, options.output);
   }
   return 0;
 }

@@ -4,6 +4,7 @@
 #include <charconv>
 
 #include "harness/experiment.h"
+#include "harness/point_experiment.h"
 #include "harness/verbs.h"
 #include "sampling/error.h"
 
@@ -21,13 +22,12 @@ void parse_shard(const std::string& word, ExperimentOptions& options) {
   throw ConfigError(fmt::format("--shard is '{}'; give I/N with 0 <= I < N, e.g. 0/4", word));
 }
 
-}  // namespace
-
-int run_verb(const GlobalOptions& global, const RunOptions& options) {
-  ExperimentSpec spec = load_experiment(find_experiment(options.spec));
+/// What both kinds of experiments share, from the words to the last line.
+template <class Spec>
+int run_spec(const GlobalOptions& global, const RunOptions& options, Spec spec) {
   if (options.seeds > 0) spec.seeds = options.seeds;
   if (global.backend != "auto") spec.backend = global.backend;
-  for (const auto& assignment : options.set) apply_override(spec, assignment);
+  for (const auto& assignment : options.set) apply_override(spec.strategies, assignment);
   validate(spec);
 
   ExperimentOptions experiment;
@@ -62,6 +62,14 @@ int run_verb(const GlobalOptions& global, const RunOptions& options) {
   }
   if (outcome.skipped > 0 && !global.quiet) fmt::print(stderr, "abn: {} runs were there already\n", outcome.skipped);
   return 0;
+}
+
+}  // namespace
+
+int run_verb(const GlobalOptions& global, const RunOptions& options) {
+  const std::filesystem::path file = find_experiment(options.spec);
+  if (experiment_kind(file) == "points") return run_spec(global, options, load_point_experiment(file));
+  return run_spec(global, options, load_experiment(file));
 }
 
 }  // namespace abn::harness

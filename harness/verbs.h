@@ -35,8 +35,16 @@ struct RunOptions {
 };
 
 struct PointsOptions {
-  std::string strategy, density, channels, on_nonfinite = "refuse", format, output;
+  std::string strategy, density, channels, on_nonfinite = "refuse", format, output, picture;
   std::uint64_t count = 0, seed = 1;
+  double density_floor = 0;
+  std::vector<std::string> set;
+};
+
+struct AnalyzeOptions {
+  std::string file, strategy, density, channels, on_nonfinite = "refuse", pixels = "200x200", output;
+  std::uint64_t count = 0, sets = 0, seed = 1;  // 0 = not given
+  double density_floor = 0;
   std::vector<std::string> set;
 };
 
@@ -66,6 +74,7 @@ struct ListOptions {
 int downscale(const GlobalOptions& global, const DownscaleOptions& options);
 int run_verb(const GlobalOptions& global, const RunOptions& options);
 int points(const GlobalOptions& global, const PointsOptions& options);
+int analyze(const GlobalOptions& global, const AnalyzeOptions& options);
 int compare(const GlobalOptions& global, const CompareOptions& options);
 int truth(const GlobalOptions& global, const TruthOptions& options);
 int scene(const GlobalOptions& global, const SceneOptions& options);
