@@ -171,9 +171,21 @@ std::vector<Vec2f> SphBlueNoise::start() const {
   if (!start_file_.empty()) return start_file_;
   if (task_.density) {
     if (params_.start == "coarse_cells" || params_.start == "white") {
+      // From the field as the engine will prepare it: where its gradient is limited, the raw one would have to be
+      // mended over distances that particles do not travel.
+      sph::FieldOptions options;
+      const double spacing = std::sqrt(static_cast<double>(plane.area()) / static_cast<double>(task_.budget));
+      options.length_x = plane.width / spacing;
+      options.length_y = plane.height / spacing;
+      options.count = static_cast<double>(task_.budget);
+      options.support = params_.support_radius;
+      options.gradient_limit = params_.gradient_limit;
+      options.background = false;
+      const sph::SizeField field = sph::prepare_size_field(size_, options);
       const auto density = [&](double u, double v) {
-        const double s = sph::bilinear_periodic(size_.cells().data(), size_.size().width, size_.size().height,
-                                                u * size_.size().width, v * size_.size().height);
+        if (field.uniform) return 1.0;
+        const sph::BilinearPlace<double> place(field.width, field.height, u * field.width, v * field.height);
+        const double s = sph::sample_size(field.view<double>(), place).size;
         return 1 / (s * s);
       };
       const double per_cell = params_.start == "white" ? static_cast<double>(task_.budget) : 16;

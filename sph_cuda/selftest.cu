@@ -86,7 +86,7 @@ constexpr const char* model_names[model_values] = {"warp",
                                                    "coincident_offset.y",
                                                    "advance.vx",
                                                    "advance.vy",
-                                                   "advance.ok",
+                                                   "advance",
                                                    "wrap",
                                                    "bilinear_periodic"};
 
@@ -109,10 +109,10 @@ struct Model {
     sph::coincident_offset(i, rng.below(100000), offset_x, offset_y);
     float vx = rng.uniform() - 0.5F;
     float vy = rng.uniform() - 0.5F;
-    const bool ok = sph::advance(vx, vy, i % 16 == 0 ? INFINITY : 5.0F * (rng.uniform() - 0.5F), rng.uniform() - 0.5F,
-                                 1.2F, 0.6F, 0.3F);
+    const float moved = sph::advance(vx, vy, i % 16 == 0 ? INFINITY : 5.0F * (rng.uniform() - 0.5F),
+                                     rng.uniform() - 0.5F, 1.2F, 0.6F, 0.3F);
     out[i] = {{factor, sph::kernel_constant(support), sph::density_term(r2, factor / support), pressure_i, weight,
-               offset_x, offset_y, vx, vy, ok ? 1.0F : 0.0F, sph::wrap(1000.0F * (rng.uniform() - 0.5F), 37.5F),
+               offset_x, offset_y, vx, vy, moved, sph::wrap(1000.0F * (rng.uniform() - 0.5F), 37.5F),
                sph::bilinear_periodic(field, 16, 9, 16.0F * rng.uniform(), 9.0F * rng.uniform())}};
   }
 };

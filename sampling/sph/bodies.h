@@ -204,12 +204,13 @@ struct Motion {
 template <class Real>
 ABN_HD inline Real move_particle(const Motion<Real>& motion, Real force_x, Real force_y, Real size, Real& x, Real& y,
                                  Real& vx, Real& vy) {
-  if (!advance(vx, vy, force_x, force_y, motion.step, motion.damping, motion.cap)) return Real(-1);
+  const Real moved = advance(vx, vy, force_x, force_y, motion.step, motion.damping, motion.cap);
+  if (moved < Real(0)) return moved;
   const Real to_x = x + vx * size;
   const Real to_y = y + vy * size;
   x = motion.walls ? keep_inside(to_x, motion.length_x) : wrap(to_x, motion.length_x);
   y = motion.walls ? keep_inside(to_y, motion.length_y) : wrap(to_y, motion.length_y);
-  return std::sqrt(vx * vx + vy * vy);
+  return moved;
 }
 
 }  // namespace abn::sph

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "sampling/hd.h"
+#include "sampling/sph/model.h"
 
 namespace abn::sph {
 
@@ -108,10 +109,10 @@ struct Run {
 template <class Real, class F>
 ABN_HD inline void for_each_run(const CellView<Real>& grid, const std::uint32_t* cell_start, Real x0, Real x1, Real y0,
                                 Real y1, F&& f) {
-  const auto first_x = static_cast<std::int64_t>(std::floor(x0 * grid.tiles_per_x));
-  const auto last_x = static_cast<std::int64_t>(std::floor(x1 * grid.tiles_per_x));
-  const auto first_y = static_cast<std::int64_t>(std::floor(y0 * grid.tiles_per_y));
-  const auto last_y = static_cast<std::int64_t>(std::floor(y1 * grid.tiles_per_y));
+  const std::int64_t first_x = floor_to_integer(x0 * grid.tiles_per_x);
+  const std::int64_t last_x = floor_to_integer(x1 * grid.tiles_per_x);
+  const std::int64_t first_y = floor_to_integer(y0 * grid.tiles_per_y);
+  const std::int64_t last_y = floor_to_integer(y1 * grid.tiles_per_y);
   const auto image_of = [](std::int64_t tile, std::int64_t count) -> std::int64_t {
     if (tile >= 0 && tile < count) return 0;  // mostly; a division is slow
     return tile >= 0 ? tile / count : -((count - 1 - tile) / count);

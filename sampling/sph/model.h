@@ -120,21 +120,28 @@ ABN_HD inline void coincident_offset(std::uint32_t id_i, std::uint32_t id_j, Rea
 }
 
 /// One leapfrog step of the velocity [d per step, in units of the local spacing]: linear damping, then a cap on the
-/// length. A step that is not finite is dropped (velocity 0) and false returned, so no particle is ever moved by it.
+/// length. Returns the new length; a step that is not finite is dropped (velocity 0) and -1 returned, so no particle is
+/// ever moved by it.
 template <class Real>
-ABN_HD inline bool advance(Real& vx, Real& vy, Real force_x, Real force_y, Real step, Real damping, Real cap) {
+ABN_HD inline Real advance(Real& vx, Real& vy, Real force_x, Real force_y, Real step, Real damping, Real cap) {
   vx = damping * vx + step * force_x;
   vy = damping * vy + step * force_y;
   const Real length = std::sqrt(vx * vx + vy * vy);
+  if (length <= cap) return length;
   if (!(length < std::numeric_limits<Real>::infinity())) {
     vx = vy = Real(0);
-    return false;
+    return Real(-1);
   }
-  if (length > cap) {
-    vx *= cap / length;
-    vy *= cap / length;
-  }
-  return true;
+  vx *= cap / length;
+  vy *= cap / length;
+  return cap;
+}
+
+/// The largest integer that is not above x; |x| < 2^63. Without a call into the mathematics library.
+template <class Real>
+ABN_HD constexpr std::int64_t floor_to_integer(Real x) {
+  const auto truncated = static_cast<std::int64_t>(x);
+  return truncated - (x < static_cast<Real>(truncated) ? 1 : 0);
 }
 
 /// The coordinate's place between two walls, in [0, length).

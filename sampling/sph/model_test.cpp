@@ -105,15 +105,16 @@ TEST(SphPressure, IsOneAtTheMeanDensityAndRisesByOneOverDelta) {
 
 TEST(SphAdvance, CapsTheVelocityAndDropsNonFiniteSteps) {
   double vx = 0.1, vy = 0;
-  EXPECT_TRUE(advance(vx, vy, 0.05, 0.0, 1.2, 0.6, 0.3));
+  const double length = advance(vx, vy, 0.05, 0.0, 1.2, 0.6, 0.3);
+  EXPECT_DOUBLE_EQ(length, std::hypot(vx, vy));
   EXPECT_NEAR(vx, 0.12, 1e-15);
-  EXPECT_TRUE(advance(vx, vy, 3e8, -4e8, 1.2, 0.6, 0.3));
+  EXPECT_EQ(advance(vx, vy, 3e8, -4e8, 1.2, 0.6, 0.3), 0.3);
   EXPECT_NEAR(vx, 0.18, 1e-7);
   EXPECT_NEAR(vy, -0.24, 1e-7);
-  EXPECT_FALSE(advance(vx, vy, std::nan(""), 0.0, 1.2, 0.6, 0.3));
+  EXPECT_EQ(advance(vx, vy, std::nan(""), 0.0, 1.2, 0.6, 0.3), -1);
   EXPECT_EQ(vx, 0);
   EXPECT_EQ(vy, 0);
-  EXPECT_FALSE(advance(vx, vy, 0.0, -std::numeric_limits<double>::infinity(), 1.2, 0.6, 0.3));
+  EXPECT_EQ(advance(vx, vy, 0.0, -std::numeric_limits<double>::infinity(), 1.2, 0.6, 0.3), -1);
   EXPECT_EQ(vy, 0);
 }
 

@@ -44,15 +44,15 @@ struct BilinearPlace {
   ABN_HD BilinearPlace(std::uint32_t width, std::uint32_t height, Real u, Real v) {
     const Real a = u - Real(0.5);
     const Real b = v - Real(0.5);
-    const Real column = std::floor(a);
-    const Real row = std::floor(b);
-    right = a - column;
-    below = b - row;
+    const std::int64_t column = floor_to_integer(a);
+    const std::int64_t row = floor_to_integer(b);
+    right = a - static_cast<Real>(column);
+    below = b - static_cast<Real>(row);
     // u < width may round to width - 0.5 + ulp in a, so both neighbours are wrapped, not only the right one.
     const std::size_t x0 = wrapped(column, width);
-    const std::size_t x1 = wrapped(column + Real(1), width);
+    const std::size_t x1 = wrapped(column + 1, width);
     const std::size_t y0 = wrapped(row, height) * width;
-    const std::size_t y1 = wrapped(row + Real(1), height) * width;
+    const std::size_t y1 = wrapped(row + 1, height) * width;
     corner[0] = y0 + x0;
     corner[1] = y0 + x1;
     corner[2] = y1 + x0;
@@ -65,8 +65,7 @@ struct BilinearPlace {
   }
 
  private:
-  ABN_HD static std::size_t wrapped(Real at, std::uint32_t count) {
-    const auto i = static_cast<std::int64_t>(at);
+  ABN_HD static std::size_t wrapped(std::int64_t i, std::uint32_t count) {
     return static_cast<std::size_t>(i < 0 ? i + count : i >= std::int64_t{count} ? i - count : i);
   }
 };

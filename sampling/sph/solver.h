@@ -61,7 +61,7 @@ struct Setup {
   float step = 1.2F;             // [d]
   float damping = 0.6F;          // share of the velocity that survives a step
   float velocity_cap = 0.3F;     // [d per step]
-  bool adaptive_step = true;     // at most 4 Delta, and less while the particles do not calm down
+  bool adaptive_step = true;     // at most 4 Delta (2.5 with classes), less while the particles do not calm down
   float tolerance = 0.01F;       // of the criterion [d]
   Criterion criterion = Criterion::mean;
   bool background = true;       // subtract the mean-field force of a size field, so that the density becomes s^-2

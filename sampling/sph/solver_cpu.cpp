@@ -80,6 +80,7 @@ class CpuSolver final : public SteppingSolver {
     class_density_.assign(classed ? n_ + lanes : 0, Real(1));
     class_pressure_.assign(classed ? n_ + lanes : 0, Real(1));
     cell_.resize(n_);
+    cells_known_ = false;
     chunks_ = std::vector<Chunk>((n_ + chunk_size - 1) / chunk_size);
   }
 
@@ -96,6 +97,7 @@ class CpuSolver final : public SteppingSolver {
     const auto tolerance = static_cast<Real>(setup().tolerance);
     const std::uint8_t* fixed = this->fixed().empty() ? nullptr : this->fixed().data();
     const bool sized = problem().terms.sized;
+    const CellView<Real> grid = cells_.view();
     for_each_chunk([&](std::size_t c, std::size_t begin, std::size_t end) {
       Forces forces;
       find_forces(c, begin, end, forces);
@@ -107,10 +109,12 @@ class CpuSolver final : public SteppingSolver {
         next_.y[i] = now_.y[i];
         if (fixed != nullptr && fixed[now_.id[i]] != 0) {
           now_.vx[i] = now_.vy[i] = Real(0);
+          cell_[i] = grid.cell(next_.x[i], next_.y[i]);
           continue;
         }
         const Real moved = move_particle(motion, forces.x[i - begin], forces.y[i - begin], sized ? size_[i] : Real(1),
                                          next_.x[i], next_.y[i], now_.vx[i], now_.vy[i]);
+        cell_[i] = grid.cell(next_.x[i], next_.y[i]);
         if (moved < Real(0)) {
           ++chunk.non_finite;
           continue;
@@ -122,6 +126,7 @@ class CpuSolver final : public SteppingSolver {
     });
     std::swap(now_.x, next_.x);
     std::swap(now_.y, next_.y);
+    cells_known_ = true;
     for (const Chunk& chunk : chunks_) {
       sums.displacement += chunk.displacement;
       sums.max_displacement = std::max(sums.max_displacement, chunk.max_displacement);
@@ -191,10 +196,13 @@ class CpuSolver final : public SteppingSolver {
 
   /// Sorts the particles into cells and reads the size field where they are.
   void sort() {
-    const CellView<Real> grid = cells_.view();
-    for_each_chunk([&](std::size_t, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) cell_[i] = grid.cell(now_.x[i], now_.y[i]);
-    });
+    if (!cells_known_) {
+      const CellView<Real> grid = cells_.view();
+      for_each_chunk([&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) cell_[i] = grid.cell(now_.x[i], now_.y[i]);
+      });
+    }
+    cells_known_ = false;
     const int parts = n_ >= parallel_from ? std::min(sort_parts, omp_get_max_threads()) : 1;
     cell_sort_.sort(cell_, now_.id, cells_.size(), parts, order_, cell_start_);
     const bool sized = problem().terms.sized && !problem().field.uniform;
@@ -226,21 +234,20 @@ class CpuSolver final : public SteppingSolver {
     std::swap(now_.id, next_.id);
   }
 
-  /// True if a particle of the chunk shares its very place with another one; such two lie in the same cell.
+  /// True if a particle of the chunk shares its very place with another one; such two lie in the same cell. Reads the
+  /// particles as they were before the sort where a cell lies in two chunks, because another thread may write those.
   bool has_coincident(std::size_t begin, std::size_t end) const {
-    const std::size_t first = cell_start_[cell_[order_[begin]]];
-    const std::size_t last = cell_start_[cell_[order_[end - 1]] + 1];
-    for (std::size_t i = first; i < last;) {
-      const std::size_t cell_end = std::min<std::size_t>(cell_start_[cell_[order_[i]] + 1], last);
-      if (cell_end - i > 64) return true;  // not searched: more than a cell should hold
-      for (; i + 1 < cell_end; ++i) {
-        const Real x = now_.x[order_[i]];
-        const Real y = now_.y[order_[i]];
+    const auto x = [&](std::size_t i) { return i >= begin && i < end ? next_.x[i] : now_.x[order_[i]]; };
+    const auto y = [&](std::size_t i) { return i >= begin && i < end ? next_.y[i] : now_.y[order_[i]]; };
+    const std::uint32_t last = cell_[order_[end - 1]];
+    for (std::uint32_t cell = cell_[order_[begin]]; cell <= last; ++cell) {
+      const std::size_t cell_end = cell_start_[cell + 1];
+      if (cell_end - cell_start_[cell] > 64) return true;  // not searched: more than a cell should hold
+      for (std::size_t i = cell_start_[cell]; i + 1 < cell_end; ++i) {
         for (std::size_t k = i + 1; k < cell_end; ++k) {
-          if (now_.x[order_[k]] == x && now_.y[order_[k]] == y) return true;
+          if (x(k) == x(i) && y(k) == y(i)) return true;
         }
       }
-      i = cell_end;
     }
     return false;
   }
@@ -320,6 +327,7 @@ class CpuSolver final : public SteppingSolver {
   std::vector<Real> label_, class_density_, class_pressure_;  // likewise; only if classed
   std::vector<std::uint32_t> cell_, order_;                   // scratch of the sort
   std::vector<std::uint32_t> cell_start_;
+  bool cells_known_ = false;  // cell_ holds the cells of the particles where they are now
   CellSort cell_sort_;
   std::vector<Chunk> chunks_;
 };

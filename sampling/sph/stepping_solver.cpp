@@ -82,8 +82,10 @@ RelaxReport SteppingSolver::relax(int max_steps, bool stop_early) {
   for (std::size_t i = 0; i < std::min(fixed_.size(), problem_.particles); ++i) free -= fixed_[i];
   RelaxReport report;
   report.step = double{setup_.step};
-  // The pressure force is as stiff as 1 / Delta: beyond about 5 Delta a step overshoots.
-  if (setup_.adaptive_step) report.step = std::min(report.step, 4 * double{setup_.stiffness_ratio});
+  // The pressure force is as stiff as 1 / Delta: beyond about 5 Delta a step overshoots; with the force of the own
+  // class beside it, beyond 3.
+  const double longest = problem_.terms.classed ? 2.5 : 4;
+  if (setup_.adaptive_step) report.step = std::min(report.step, longest * double{setup_.stiffness_ratio});
   StepControl control;
   for (int s = 1; s <= max_steps; ++s) {
     const StepSums sums = step(report.step);
