@@ -12,6 +12,6 @@ say "tests (build/release)"
 ctest --preset release || status=1
 
 say "unit tests under the sanitizers (build/sanitize)"
-{ cmake --preset sanitize && cmake --build build/sanitize -j "$(nproc)" --target sampling_test harness_test fuzz_points_io; } >&2
-ctest --preset sanitize -R '^(sampling_test|harness_test|fuzz_points_io)$' || status=1
+{ cmake --preset sanitize && cmake --build build/sanitize -j "$(nproc)" --target sampling_test analysis_test harness_test fuzz_points_io; } >&2
+ctest --preset sanitize -R '^(sampling_test|analysis_test|harness_test|fuzz_points_io)$' || status=1
 exit $status
