@@ -1,6 +1,6 @@
-# Installed: headers and library of abn::sampling, the program, its data. Two tests guard the frame itself.
+# Installed: headers and libraries of abn::sampling and abn::analysis, the program, its data. Two tests guard the frame itself.
 include(CMakePackageConfigHelpers)
-install(TARGETS abn_sampling EXPORT abnTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS abn_sampling abn_analysis EXPORT abnTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY sampling DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/abn FILES_MATCHING PATTERN "*.h")
 install(EXPORT abnTargets NAMESPACE abn:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/abn)
 configure_package_config_file(cmake/abnConfig.cmake.in ${PROJECT_BINARY_DIR}/abnConfig.cmake INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/abn)

@@ -19,7 +19,7 @@ target_compile_options(abn_internal INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-ffp-con
   -Wall;-Wextra;-Wpedantic;-Wconversion;-Wshadow;$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>>)
 
 # abn_collect(folder sources tests benchmarks): the files of a folder by their role; main programs and fuzz targets are named elsewhere.
-# sampling/analysis is a target of its own (it may use Eigen).
+# sampling/analysis is a target of its own.
 function(abn_collect folder sources_out tests_out benchmarks_out)
   file(GLOB_RECURSE all CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.cpp)
   if(folder STREQUAL sampling)
@@ -46,8 +46,7 @@ function(abn_configure_sampling target)
 endfunction()
 
 function(abn_configure_analysis target)
-  find_package(Eigen3 3.3 REQUIRED)
-  target_link_libraries(${target} PUBLIC abn_sampling PRIVATE abn_internal $<BUILD_INTERFACE:Eigen3::Eigen>)
+  target_link_libraries(${target} PUBLIC abn_sampling PRIVATE $<BUILD_INTERFACE:abn_internal>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME analysis)
   set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "-O3;-fopenmp-simd;-fno-trapping-math")
 endfunction()

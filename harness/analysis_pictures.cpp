@@ -200,7 +200,8 @@ Picture draw_sheet(const Analysis& analysis) {
   return draw_page(page);
 }
 
-Picture draw_stipples(const std::vector<analysis::Point>& points, const Grid<float>* density, std::uint32_t width) {
+Picture draw_stipples(const std::vector<analysis::Point>& points, const Grid<float>* density, std::uint32_t width,
+                      const std::vector<analysis::Point>& ghosts) {
   const Extent extent = density != nullptr ? density->size() : Extent{1, 1};
   const auto height =
       std::max(1U, static_cast<std::uint32_t>(std::lround(static_cast<double>(width) * extent.height / extent.width)));
@@ -214,10 +215,29 @@ Picture draw_stipples(const std::vector<analysis::Point>& points, const Grid<flo
     const auto bright = static_cast<double>(*fullest);
     if (bright > 0) share = 0.8 * std::min(1.0, sum / (bright * static_cast<double>(values.size())));
   }
+  // The plane in the middle, around it as much as the ghosts need.
+  double border = 0;
+  for (const auto& ghost : ghosts) {
+    const double x = std::max(-ghost.x, ghost.x - 1) * width;
+    const double y = std::max(-ghost.y, ghost.y - 1) * height;
+    border = std::max({border, x, y});
+  }
   const double area = static_cast<double>(width) * height * share / static_cast<double>(points.size());
-  Picture picture(width, height, {0, 0, 0});
-  draw_dots(picture, area_of(picture), on_extent(points, {width, height}),
-            std::max(0.4, std::sqrt(area / std::numbers::pi)), {255, 255, 255});
+  const double radius = std::max(0.4, std::sqrt(area / std::numbers::pi));
+  const int margin = ghosts.empty() ? 0 : static_cast<int>(std::ceil(border + radius)) + 1;
+  const auto all_around = 2 * static_cast<std::uint32_t>(margin);
+  Picture picture(width + all_around, height + all_around, {0, 0, 0});
+  const auto draw = [&](const std::vector<analysis::Point>& dots, Rgb8 colour) {
+    std::vector<CanvasPoint> centres = on_extent(dots, {width, height});
+    for (auto& centre : centres) centre = {centre.x + margin, centre.y + margin};
+    draw_dots(picture, area_of(picture), centres, radius, colour);
+  };
+  if (!ghosts.empty()) {
+    draw(ghosts, {86, 180, 233});
+    draw_border(picture, {margin - 1, margin - 1, static_cast<int>(width) + 2, static_cast<int>(height) + 2},
+                {120, 120, 120});
+  }
+  draw(points, {255, 255, 255});
   return picture;
 }
 

@@ -27,7 +27,9 @@ Picture draw_pair_correlation(const std::vector<const Analysis*>& analyses, std:
 Picture draw_sheet(const Analysis& analysis);
 
 /// Stippling: dots on paper, of the size at which the fullest fiftieth of `density` nearly closes (without one: at
-/// which all cover half of it). Bright = many points, so that dots are white on black.
-Picture draw_stipples(const std::vector<analysis::Point>& points, const Grid<float>* density, std::uint32_t width);
+/// which all cover half of it). Bright = many points, so that dots are white on black. Ghost particles, outside the
+/// unit square, are blue around it (thesis fig. 4.1), and the picture shows them too.
+Picture draw_stipples(const std::vector<analysis::Point>& points, const Grid<float>* density, std::uint32_t width,
+                      const std::vector<analysis::Point>& ghosts = {});
 
 }  // namespace abn::harness

@@ -160,5 +160,32 @@ TEST(Stipples, ShowTheToneOfTheirDensity) {
   EXPECT_LT(left / right, 4.2);
 }
 
+TEST(Stipples, ShowGhostsInBlueAroundThePlane) {
+  const DrawnPoints drawn =
+      draw_points({.strategy = "sph_blue_noise", .parameters = {{"boundary", "ghost"}}, .count = 400});
+  ASSERT_FALSE(drawn.ghosts.empty());
+  const auto points = analysis::to_unit(drawn.set.position, drawn.plane);
+  std::vector<analysis::Point> ghosts;
+  for (const Vec2f p : drawn.ghosts) ghosts.push_back({double{p.x}, double{p.y}});  // the plane is one pixel
+  const Picture plain = draw_stipples(points, nullptr, 200);
+  const Picture with = draw_stipples(points, nullptr, 200, ghosts);
+  EXPECT_EQ(plain.width, 200U);
+  EXPECT_GT(with.width, 240U);  // 20 spacings and three on either side
+  EXPECT_LT(with.width, 320U);
+  const std::uint32_t margin = (with.width - 200) / 2;
+  std::size_t blue_inside = 0;
+  std::size_t blue_outside = 0;
+  for (std::uint32_t y = 0; y < with.height; ++y) {
+    for (std::uint32_t x = 0; x < with.width; ++x) {
+      const std::size_t i = (std::size_t{y} * with.width + x) * 3;
+      if (with.rgb[i + 2] < with.rgb[i] + 40) continue;
+      const bool inside = x >= margin + 8 && x < margin + 192 && y >= margin + 8 && y < margin + 192;
+      ++(inside ? blue_inside : blue_outside);
+    }
+  }
+  EXPECT_EQ(blue_inside, 0U);
+  EXPECT_GT(blue_outside, 1000U);
+}
+
 }  // namespace
 }  // namespace abn::harness

@@ -68,6 +68,7 @@ DrawnPoints draw_points(const PointTask& task, Progress* progress) {
     for (auto& position : set.position) position = (*warp)(position);
   }
   drawn.diagnostics = sampler.diagnostics();
+  drawn.ghosts.assign(sampler.ghosts().begin(), sampler.ghosts().end());
   drawn.generate_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return drawn;
 }

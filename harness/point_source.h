@@ -28,6 +28,7 @@ struct DrawnPoints {
   std::vector<Diagnostic> diagnostics;
   std::string backend;
   double generate_s = 0;
+  std::vector<Vec2f> ghosts = {};  // outside `plane` [px]; empty for most strategies
 };
 
 /// Draws the points. A density is placed by the strategy if it can (StrategyInfo::density), otherwise its uniform

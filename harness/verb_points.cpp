@@ -19,7 +19,10 @@ namespace {
 /// A picture as wide as its density, within what a screen shows.
 void draw_picture(const std::string& path, const DrawnPoints& drawn, const Grid<float>* density) {
   const std::uint32_t width = density == nullptr ? 1000 : std::clamp(density->size().width, 1000U, 2000U);
-  const Picture picture = draw_stipples(analysis::to_unit(drawn.set.position, drawn.plane), density, width);
+  std::vector<analysis::Point> ghosts;
+  for (const Vec2f ghost : drawn.ghosts)
+    ghosts.push_back({double{ghost.x} / drawn.plane.width, double{ghost.y} / drawn.plane.height});
+  const Picture picture = draw_stipples(analysis::to_unit(drawn.set.position, drawn.plane), density, width, ghosts);
   save_rgb8(path, picture.size(), picture.rgb);
 }
 

@@ -81,6 +81,9 @@ class Sampler {
   /// the budget is emitted, and ever after.
   virtual SampleBatch next(const Feedback& seen) = 0;
   virtual std::vector<Diagnostic> diagnostics() const { return {}; }
+  /// Particles outside the plane [px] that hold the samples in it, for pictures (thesis fig. 4.1); valid until the next
+  /// call.
+  virtual std::span<const Vec2f> ghosts() const { return {}; }
 };
 
 }  // namespace abn

@@ -49,7 +49,7 @@ class SphBlueNoise final : public Sampler {
   SampleBatch next(const Feedback& seen) override;
   std::vector<Diagnostic> diagnostics() const override;
   /// The ring of ghost particles around the plane [px]; empty before the first next() and without ghosts.
-  std::span<const Vec2f> ghosts() const { return ghosts_; }
+  std::span<const Vec2f> ghosts() const override { return ghosts_; }
 
  private:
   std::vector<Vec2f> start() const;

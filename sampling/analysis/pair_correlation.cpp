@@ -146,9 +146,11 @@ PairCorrelation pair_correlation(Points points, std::span<const float> size, Pai
 
   // Beyond half the torus a pair would have two differences.
   const double furthest = 0.5 * spacings / largest;
-  const auto bins = static_cast<std::size_t>(std::min(options.range, furthest) * options.bins_per_spacing);
-  require(bins >= 1, "range " + std::to_string(options.range) + " with " + std::to_string(options.bins_per_spacing) +
-                         " bins per spacing holds no bin for " + std::to_string(n) +
+  // An even number, so that the middle part of `difference` is that of a shorter range (mean_of()).
+  const auto fitting = static_cast<std::size_t>(std::min(options.range, furthest) * options.bins_per_spacing);
+  const std::size_t bins = fitting - fitting % 2;
+  require(bins >= 2, "range " + std::to_string(options.range) + " with " + std::to_string(options.bins_per_spacing) +
+                         " bins per spacing holds fewer than two bins for " + std::to_string(n) +
                          " points; raise either, or give sizes that differ less");
 
   const CellGrid grid(points, sizes);
@@ -189,13 +191,30 @@ PairCorrelation pair_correlation(Points points, std::span<const float> size, Pai
 
 PairCorrelation mean_of(std::span<const PairCorrelation> sets) {
   require(!sets.empty(), "the mean of no sets; give at least 1");
-  PairCorrelation mean = sets.front();
-  for (const PairCorrelation& set : sets.subspan(1)) {
-    require(set.count == mean.count && set.g.size() == mean.g.size() && set.bin_width == mean.bin_width,
+  PairCorrelation mean =
+      *std::min_element(sets.begin(), sets.end(),
+                        [](const PairCorrelation& a, const PairCorrelation& b) { return a.g.size() < b.g.size(); });
+  const std::size_t bins = mean.g.size();
+  std::fill(mean.g.begin(), mean.g.end(), 0.0);
+  std::fill(mean.difference.cells().begin(), mean.difference.cells().end(), 0.0);
+  mean.pairs = 0;
+  mean.sets = 0;
+  for (const PairCorrelation& set : sets) {
+    require(set.count == mean.count && set.bin_width == mean.bin_width,
             "sets of " + std::to_string(set.count) + " and " + std::to_string(mean.count) +
-                " points, or of different range, cannot be averaged; give sets of equal count and sizes");
-    for (std::size_t k = 0; k < mean.g.size(); ++k) mean.g[k] += set.g[k];
-    for (std::size_t c = 0; c < mean.difference.cells().size(); ++c) mean.difference[c] += set.difference[c];
+                " points, or of different bins, cannot be averaged; give sets of equal count");
+    for (std::size_t k = 0; k < bins; ++k) mean.g[k] += set.g[k];
+    const std::size_t side = set.g.size();
+    const std::size_t border = (side - bins) / 2;
+    for (std::size_t y = 0; y < bins; ++y) {
+      for (std::size_t x = 0; x < bins; ++x) {
+        const double dx = 2 * static_cast<double>(x) + 1 - static_cast<double>(bins);
+        const double dy = 2 * static_cast<double>(y) + 1 - static_cast<double>(bins);
+        const double reach = static_cast<double>(bins);
+        if (side > bins && dx * dx + dy * dy > reach * reach) continue;  // beyond the shorter range
+        mean.difference[y * bins + x] += set.difference[(y + border) * side + x + border];
+      }
+    }
     mean.pairs += set.pairs;
     mean.sets += set.sets;
   }

@@ -23,7 +23,7 @@ struct PairCorrelationOptions {
 struct PairCorrelation {
   std::size_t count = 0;  // N, points per set
   int sets = 1;
-  double range = 0;         // distances covered [spacings]: a multiple of the bin width, cut where the range asked for
+  double range = 0;         // distances covered [spacings]: an even number of bins, cut where the range asked for
                             // would reach around the torus
   double bin_width = 0;     // [spacings]
   std::vector<double> g;    // [range / bin_width] radial distribution function; bin k is [k, k+1) bin widths
@@ -41,7 +41,8 @@ struct PairCorrelation {
 /// a pair is found from its larger point. Bit-identical for any number of threads.
 PairCorrelation pair_correlation(Points points, std::span<const float> size = {}, PairCorrelationOptions options = {});
 
-/// Mean over sets, all of equal count, range and bin width, at least one; throws ConfigError otherwise.
+/// Mean over sets of equal count and bin width, at least one, over the shortest of their ranges (which differ between
+/// adaptive sets); `pairs` counts those of the full ranges. Throws ConfigError otherwise.
 PairCorrelation mean_of(std::span<const PairCorrelation> sets);
 
 /// The radial mean of the power spectrum that belongs to g, also for adaptive sets:

@@ -237,5 +237,19 @@ TEST(PairCorrelation, BadWordsAreRefused) {
   EXPECT_THROW(mean_of(unlike), ConfigError);
 }
 
+TEST(PairCorrelationMean, CoversTheShortestRange) {
+  const std::vector<Point> points = {{0.1, 0.1}, {0.12, 0.1}, {0.5, 0.7}, {0.9, 0.3}, {0.88, 0.31}, {0.3, 0.9}};
+  const PairCorrelation wide = pair_correlation(points, {}, {.range = 1, .bins_per_spacing = 16});
+  const PairCorrelation narrow = pair_correlation(points, {}, {.range = 0.5, .bins_per_spacing = 16});
+  const std::vector<PairCorrelation> sets = {wide, narrow};
+  const PairCorrelation mean = mean_of(sets);
+  ASSERT_EQ(mean.g.size(), 8U);
+  EXPECT_DOUBLE_EQ(mean.range, 0.5);
+  EXPECT_EQ(mean.sets, 2);
+  for (std::size_t k = 0; k < 8; ++k) EXPECT_DOUBLE_EQ(mean.g[k], narrow.g[k]);
+  ASSERT_EQ(mean.difference.size(), (Extent{8, 8}));
+  for (std::size_t c = 0; c < 64; ++c) EXPECT_DOUBLE_EQ(mean.difference[c], narrow.difference[c]) << c;
+}
+
 }  // namespace
 }  // namespace abn::analysis

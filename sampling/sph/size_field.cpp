@@ -13,6 +13,7 @@ namespace {
 /// Index of a cell beyond the border: repeated, or mirrored (which for the neighbour of a border cell is the border
 /// cell itself).
 std::uint32_t beyond(std::int64_t i, std::uint32_t count, bool periodic) {
+  if (count <= 1) return 0;
   const std::int64_t n = count;
   if (i >= 0 && i < n) return static_cast<std::uint32_t>(i);  // mostly; a division is slow
   if (periodic) return static_cast<std::uint32_t>(((i % n) + n) % n);
