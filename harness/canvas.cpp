@@ -144,8 +144,10 @@ void draw_dots(Picture& picture, const CanvasArea& clip, std::span<const CanvasP
           hits = grid * grid;
         } else {
           for (int k = 0; k < grid * grid; ++k) {
-            const double dx = x + (k % grid + 0.5) / grid - centre.x;
-            const double dy = y + (k / grid + 0.5) / grid - centre.y;
+            const int column = k % grid;
+            const int row = k / grid;
+            const double dx = x + (column + 0.5) / grid - centre.x;
+            const double dy = y + (row + 0.5) / grid - centre.y;
             hits += dx * dx + dy * dy <= radius * radius ? 1 : 0;
           }
         }
