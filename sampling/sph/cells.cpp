@@ -44,7 +44,10 @@ Cells<Real>::Cells(double length_x, double length_y, double support, std::int32_
       tile.columns = fit(tile_width / width);
       tile.inverse_height = static_cast<Real>(tile.rows / tile_height);
       tile.inverse_width = static_cast<Real>(tile.columns / tile_width);
+      tile.height = static_cast<Real>(tile_height / tile.rows);
       tile.first = static_cast<std::uint32_t>(size_);
+      tile.first_row = static_cast<std::uint32_t>(rows_);
+      rows_ += static_cast<std::size_t>(tile.rows);
       size_ += static_cast<std::size_t>(tile.rows) * static_cast<std::size_t>(tile.columns);
       tiles_.push_back(tile);
     }

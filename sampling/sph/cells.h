@@ -27,8 +27,10 @@ template <class Real>
 struct Tile {
   Real x = 0, y = 0;                           // its corner
   Real inverse_width = 1, inverse_height = 1;  // of a cell
+  Real height = 1;                             // of a cell
   std::int32_t columns = 1, rows = 1;
-  std::uint32_t first = 0;
+  std::uint32_t first = 0;      // cell
+  std::uint32_t first_row = 0;  // among the rows of all tiles
 };
 
 /// What a search needs to know of the cells: plain pointers, for host and device.
@@ -89,11 +91,12 @@ class Cells {
   }
   std::span<const Tile<Real>> tiles() const { return tiles_; }
   std::size_t size() const { return size_; }  // number of cells
+  std::size_t rows() const { return rows_; }  // of all tiles
 
  private:
   CellView<Real> view_;
   std::vector<Tile<Real>> tiles_;
-  std::size_t size_ = 0;
+  std::size_t size_ = 0, rows_ = 0;
 };
 
 /// Consecutive sorted particles [begin, end), seen in the image of the plane that lies image_x widths to the right and
@@ -103,12 +106,10 @@ struct Run {
   std::int16_t image_x = 0, image_y = 0;
 };
 
-/// Calls f(run) for runs of particles, so that every particle image inside the rectangle [x0,x1] x [y0,y1] (unwrapped,
-/// in d) is met exactly once. Meets some images outside the rectangle too. The order of any two images does not depend
-/// on the rectangle, so that sums over them are the same whoever shares the search.
+/// Calls f(tile, image_x, image_y) for the indices of all tiles' images that meet the rectangle [x0,x1] x [y0,y1]
+/// (unwrapped, in d), each once.
 template <class Real, class F>
-ABN_HD inline void for_each_run(const CellView<Real>& grid, const std::uint32_t* cell_start, Real x0, Real x1, Real y0,
-                                Real y1, F&& f) {
+ABN_HD inline void for_each_tile(const CellView<Real>& grid, Real x0, Real x1, Real y0, Real y1, F&& f) {
   const std::int64_t first_x = floor_to_integer(x0 * grid.tiles_per_x);
   const std::int64_t last_x = floor_to_integer(x1 * grid.tiles_per_x);
   const std::int64_t first_y = floor_to_integer(y0 * grid.tiles_per_y);
@@ -119,23 +120,34 @@ ABN_HD inline void for_each_run(const CellView<Real>& grid, const std::uint32_t*
   };
   for (std::int64_t tile_y = first_y; tile_y <= last_y; ++tile_y) {
     const std::int64_t image_y = image_of(tile_y, grid.tiles_y);
-    const Real shift_y = static_cast<Real>(image_y) * grid.length_y;
     for (std::int64_t tile_x = first_x; tile_x <= last_x; ++tile_x) {
       const std::int64_t image_x = image_of(tile_x, grid.tiles_x);
-      const Real shift_x = static_cast<Real>(image_x) * grid.length_x;
-      const Tile<Real>& tile =
-          grid.tiles[(tile_y - image_y * grid.tiles_y) * grid.tiles_x + tile_x - image_x * grid.tiles_x];
-      const std::int32_t last_row = grid.row_in(tile, y1 - shift_y);
-      const std::int32_t column0 = grid.column_in(tile, x0 - shift_x);
-      const std::int32_t column1 = grid.column_in(tile, x1 - shift_x);
-      for (std::int32_t row = grid.row_in(tile, y0 - shift_y); row <= last_row; ++row) {
-        const std::uint32_t* start = cell_start + tile.first + static_cast<std::uint32_t>(row * tile.columns);
-        const std::uint32_t begin = start[column0];
-        const std::uint32_t end = start[column1 + 1];
-        if (begin < end) f(Run{begin, end, static_cast<std::int16_t>(image_x), static_cast<std::int16_t>(image_y)});
-      }
+      const std::int64_t tile = (tile_y - image_y * grid.tiles_y) * grid.tiles_x + tile_x - image_x * grid.tiles_x;
+      f(static_cast<std::size_t>(tile), static_cast<std::int16_t>(image_x), static_cast<std::int16_t>(image_y));
     }
   }
+}
+
+/// Calls f(run) for runs of particles, so that every particle image inside the rectangle [x0,x1] x [y0,y1] (unwrapped,
+/// in d) is met exactly once. Meets some images outside the rectangle too. The order of any two images does not depend
+/// on the rectangle, so that sums over them are the same whoever shares the search.
+template <class Real, class F>
+ABN_HD inline void for_each_run(const CellView<Real>& grid, const std::uint32_t* cell_start, Real x0, Real x1, Real y0,
+                                Real y1, F&& f) {
+  for_each_tile(grid, x0, x1, y0, y1, [&](std::size_t index, std::int16_t image_x, std::int16_t image_y) {
+    const Tile<Real>& tile = grid.tiles[index];
+    const Real shift_x = static_cast<Real>(image_x) * grid.length_x;
+    const Real shift_y = static_cast<Real>(image_y) * grid.length_y;
+    const std::int32_t last_row = grid.row_in(tile, y1 - shift_y);
+    const std::int32_t column0 = grid.column_in(tile, x0 - shift_x);
+    const std::int32_t column1 = grid.column_in(tile, x1 - shift_x);
+    for (std::int32_t row = grid.row_in(tile, y0 - shift_y); row <= last_row; ++row) {
+      const std::uint32_t* start = cell_start + tile.first + static_cast<std::uint32_t>(row * tile.columns);
+      const std::uint32_t begin = start[column0];
+      const std::uint32_t end = start[column1 + 1];
+      if (begin < end) f(Run{begin, end, image_x, image_y});
+    }
+  });
 }
 
 /// Particles in the order of their cells, and inside a cell by id: an order that depends on the state alone, not on its

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -368,6 +369,38 @@ TEST(SphEngines, NameTheirBackend) {
   EXPECT_STREQ(make_cpu_solver_double(setup_of({5, 5}, one))->backend(), "cpu double");
   EXPECT_STREQ(make_host_loop_solver(setup_of({5, 5}, one))->backend(), "host loop");
   EXPECT_STREQ(make_twin_solver(setup_of({5, 5}, one))->backend(), "twin");
+}
+
+TEST(SphEngines, AgreeWithoutPressure) {
+  // The vectorised engine sums no densities then, the host loop does.
+  Plane plane = make_plane({40, 30}, 1500, "smooth", Kernel::wendland, Boundary::periodic);
+  plane.setup.stiffness_ratio = std::numeric_limits<float>::infinity();
+  const auto fast = start(plane, make_cpu_solver);
+  const auto plain = start(plane, make_host_loop_solver);
+  const std::vector<std::uint32_t> held = {3, 5, 700};
+  for (const auto* solver : {&fast, &plain}) {
+    (*solver)->freeze(held);
+    EXPECT_GT((*solver)->relax(6, false).mean_displacement, 0);
+  }
+  EXPECT_EQ(std::vector<Vec2f>(fast->positions().begin(), fast->positions().end()),
+            std::vector<Vec2f>(plain->positions().begin(), plain->positions().end()));
+  EXPECT_EQ(fast->evaluate().density, plain->evaluate().density);
+}
+
+TEST(SphEngines, StartWithASizeFieldIsAsIfItWereSet) {
+  for (const Boundary boundary : {Boundary::periodic, Boundary::ghost}) {
+    Plane plane = make_plane({40, 30}, 1500, "smooth", Kernel::wendland, boundary);
+    const auto set = start(plane, make_cpu_solver);
+    plane.setup.positions = plane.positions;
+    plane.setup.size_field = &plane.size;
+    const auto given = make_cpu_solver(plane.setup);
+    EXPECT_EQ(std::vector<Vec2f>(set->ghosts().begin(), set->ghosts().end()),
+              std::vector<Vec2f>(given->ghosts().begin(), given->ghosts().end()));
+    // Positions that were set had been rounded once more.
+    const Evaluation a = set->evaluate();
+    const Evaluation b = given->evaluate();
+    for (std::size_t i = 0; i < a.density.size(); ++i) ASSERT_NEAR(a.density[i], b.density[i], 1e-3 * a.density[i]);
+  }
 }
 
 }  // namespace

@@ -10,12 +10,6 @@
 #include "sampling/sph/problem.h"
 
 namespace abn::sph {
-namespace {
-
-constexpr int ring_steps = 40;
-
-}  // namespace
-
 Ring make_ghost_ring(const Setup& setup, const Problem& problem) {
   const SizeField& field = problem.field;
   // Particles on the ring and on a band as wide inside each wall; the inner half of the band is held.
@@ -41,12 +35,35 @@ Ring make_ghost_ring(const Setup& setup, const Problem& problem) {
   const int columns = steps(field.length_x, field.margin_x);
   const int rows = steps(field.length_y, field.margin_y);
   double mass = 0;
+  // Columns surely inside of the band; most of the plane.
+  const double inner = 2.001 * field.margin_x / field.length_x;
+  const auto first_inside = static_cast<int>(std::ceil(inner * columns));
+  const auto last_inside = static_cast<int>((problem.plane_x / field.length_x - inner) * columns) - 1;
   for (int row = 0; row < rows; ++row) {
-    for (int column = 0; column < columns; ++column) mass += on_band((column + 0.5) / columns, (row + 0.5) / rows);
+    const double v = (row + 0.5) / rows;
+    const double y = v * field.length_y;
+    const bool inside = std::min(y, problem.plane_y - y) > 2.001 * field.margin_y;
+    for (int column = 0; column < columns; ++column) {
+      if (inside && column == first_inside && last_inside > column) column = last_inside;
+      mass += on_band((column + 0.5) / columns, v);
+    }
   }
   mass *= field.length_x / columns * (field.length_y / rows);
 
   Problem band = problem;
+  // Nobody is inside of the band: one cell a tile will do there.
+  const auto tiles_x = static_cast<std::size_t>(Cells<float>::tile_count(field.length_x));
+  for (std::size_t t = 0; t < band.tile_density.size(); ++t) {
+    const std::size_t tiles_y = band.tile_density.size() / tiles_x;
+    const auto deep = [](std::size_t index, std::size_t count, double length, double plane, double margin) {
+      const double first = length * static_cast<double>(index) / static_cast<double>(count);
+      const double last = length * static_cast<double>(index + 1) / static_cast<double>(count);
+      return first > 2 * margin && last < plane - 2 * margin;
+    };
+    const bool empty = deep(t % tiles_x, tiles_x, field.length_x, problem.plane_x, field.margin_x) &&
+                       deep(t / tiles_x, tiles_y, field.length_y, problem.plane_y, field.margin_y);
+    if (empty) band.tile_density[t] = 1e-6;
+  }
   band.walls = false;
   band.spacing = 1;  // pixels are d here
   band.x.clear();
@@ -60,6 +77,8 @@ Ring make_ghost_ring(const Setup& setup, const Problem& problem) {
   band.particles = band.count();
   Setup relaxation = setup;
   relaxation.boundary = Boundary::periodic;
+  // The ring's density is what it is for, so it is never relaxed without pressure.
+  if (std::isinf(setup.stiffness_ratio)) relaxation.stiffness_ratio = Setup{}.stiffness_ratio;
   relaxation.plane = {static_cast<std::uint32_t>(field.length_x) + 2, static_cast<std::uint32_t>(field.length_y) + 2};
   const auto solver = make_cpu_solver_on(relaxation, band);
   std::vector<std::uint32_t> held;
@@ -68,7 +87,7 @@ Ring make_ghost_ring(const Setup& setup, const Problem& problem) {
     if (inside && depth_inside(band.x[i], band.y[i]) > 1) held.push_back(i);
   }
   solver->freeze(held);
-  solver->relax(ring_steps, false);
+  solver->relax(setup.ghost_steps, false);
 
   Ring ring;
   for (const Vec2f p : solver->positions()) {

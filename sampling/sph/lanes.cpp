@@ -1,6 +1,7 @@
 #include "sampling/sph/lanes.h"
 
 #include <cassert>
+#include <cmath>
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define ABN_AVX2 [[gnu::target("arch=x86-64-v3"), gnu::flatten]]
@@ -147,11 +148,58 @@ LanePasses<Real> passes(InstructionSet set) {
   return {density_baseline<terms, Real>, force_baseline<terms, Real>};
 }
 
+template <class Real>
+struct Box {
+  Real x0, x1, y0, y1;  // [d]
+};
+
+/// The runs of cells in which a particle may interact with one in the box, whose sizes are at most `size`: what
+/// for_each_run() gives for the box and the radius, less rows and cells at their ends that are too far away for the
+/// sizes in them.
+template <class Real>
+void find_near_runs(const ParticleView<Real>& view, Real support, const Box<Real>& box, Real size, Real radius,
+                    const LargestSizes<Real>& largest, std::vector<Run>& runs) {
+  const CellView<Real>& grid = view.cells;
+  const Real rounding = grid.rounding(radius);
+  const Real half_support = Real(0.5) * support;
+  const auto gap = [rounding](Real first, Real last, Real from, Real to) {
+    const Real before = first - to - rounding;
+    const Real after = from - last - rounding;
+    const Real outside = before > after ? before : after;
+    return outside > Real(0) ? outside : Real(0);
+  };
+  for_each_tile(
+      grid, box.x0 - radius, box.x1 + radius, box.y0 - radius, box.y1 + radius,
+      [&](std::size_t index, std::int16_t image_x, std::int16_t image_y) {
+        const Tile<Real>& tile = grid.tiles[index];
+        const Real shift_x = static_cast<Real>(image_x) * grid.length_x;
+        const Real shift_y = static_cast<Real>(image_y) * grid.length_y;
+        const Real y = tile.y + shift_y;
+        const Real in_tile = half_support * (size + largest.in_tile[index]) + rounding;
+        const Real height = tile.height;
+        if (gap(box.y0, box.y1, y, y + static_cast<Real>(tile.rows) * height) > in_tile) return;
+        const std::int32_t last_row = grid.row_in(tile, box.y1 + in_tile - shift_y);
+        for (std::int32_t row = grid.row_in(tile, box.y0 - in_tile - shift_y); row <= last_row; ++row) {
+          const Real in_row = half_support * (size + largest.in_row[tile.first_row + static_cast<std::uint32_t>(row)]);
+          const Real gap_y =
+              gap(box.y0, box.y1, y + static_cast<Real>(row) * height, y + static_cast<Real>(row + 1) * height);
+          const Real rest = in_row * in_row - gap_y * gap_y;
+          if (!(rest > Real(0))) continue;
+          const Real half_width = std::sqrt(rest) + rounding;
+          const std::int32_t column0 = grid.column_in(tile, box.x0 - half_width - shift_x);
+          const std::int32_t column1 = grid.column_in(tile, box.x1 + half_width - shift_x);
+          const std::uint32_t* start = view.cell_start + tile.first + static_cast<std::uint32_t>(row * tile.columns);
+          if (start[column0] < start[column1 + 1])
+            runs.push_back({start[column0], start[column1 + 1], image_x, image_y});
+        }
+      });
+}
+
 }  // namespace
 
 template <class Real>
 void find_blocks(const ParticleView<Real>& view, Terms terms, std::size_t begin, std::size_t end,
-                 const std::uint8_t* fixed, BlockRuns& found) {
+                 const std::uint8_t* fixed, const LargestSizes<Real>* largest, BlockRuns& found) {
   found.blocks.clear();
   found.runs.clear();
   for (std::size_t i = begin; i < end;) {
@@ -183,8 +231,13 @@ void find_blocks(const ParticleView<Real>& view, Terms terms, std::size_t begin,
     const Real radius = search_radius(view, terms, size, reach);
     Block block{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(count),
                 static_cast<std::uint32_t>(found.runs.size()), 0, fixed != nullptr};
-    for_each_run(view.cells, view.cell_start, x0 - radius, x1 + radius, y0 - radius, y1 + radius,
-                 [&](const Run& run) { found.runs.push_back(run); });
+    if (terms.sized && largest != nullptr) {
+      find_near_runs(view, terms.classed ? view.class_support : view.support, {x0, x1, y0, y1}, size, radius, *largest,
+                     found.runs);
+    } else {
+      for_each_run(view.cells, view.cell_start, x0 - radius, x1 + radius, y0 - radius, y1 + radius,
+                   [&](const Run& run) { found.runs.push_back(run); });
+    }
     block.run_count = static_cast<std::uint32_t>(found.runs.size()) - block.first_run;
     for (std::size_t k = 0; k < count && block.fixed; ++k) block.fixed = fixed[view.id[i + k]] != 0;
     found.blocks.push_back(block);
@@ -192,9 +245,10 @@ void find_blocks(const ParticleView<Real>& view, Terms terms, std::size_t begin,
   }
 }
 
-template void find_blocks(const ParticleView<float>&, Terms, std::size_t, std::size_t, const std::uint8_t*, BlockRuns&);
+template void find_blocks(const ParticleView<float>&, Terms, std::size_t, std::size_t, const std::uint8_t*,
+                          const LargestSizes<float>*, BlockRuns&);
 template void find_blocks(const ParticleView<double>&, Terms, std::size_t, std::size_t, const std::uint8_t*,
-                          BlockRuns&);
+                          const LargestSizes<double>*, BlockRuns&);
 
 InstructionSet best_instruction_set() {
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)

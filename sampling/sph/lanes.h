@@ -35,11 +35,20 @@ struct BlockRuns {
   std::vector<Run> runs;
 };
 
+/// The largest s of the particles in every tile and in every row of cells of a tile: plain pointers.
+template <class Real>
+struct LargestSizes {
+  const Real* in_tile = nullptr;
+  const Real* in_row = nullptr;  // from Tile::first_row on
+};
+
 /// Cuts the sorted particles [begin, end) into blocks and searches their neighbours. A particle that would stretch the
 /// block's box too far begins the next one: at the end of a row of cells, mostly. `fixed` by id; null = none.
+/// `largest`, if sized: what is too far away for the sizes there is left out, which changes no sum, because its terms
+/// are 0. Null = nothing is left out.
 template <class Real>
 void find_blocks(const ParticleView<Real>& view, Terms terms, std::size_t begin, std::size_t end,
-                 const std::uint8_t* fixed, BlockRuns& found);
+                 const std::uint8_t* fixed, const LargestSizes<Real>* largest, BlockRuns& found);
 
 /// The passes for one combination of terms.
 template <class Real>

@@ -20,6 +20,46 @@ double class_count(const Setup& setup) {
   return 1.0 + *std::max_element(setup.classes.begin(), setup.classes.end());
 }
 
+/// The mean of s^-2 over every tile.
+std::vector<double> tile_densities(const SizeField& field) {
+  const std::int32_t tiles_x = Cells<float>::tile_count(field.length_x);
+  const std::int32_t tiles_y = Cells<float>::tile_count(field.length_y);
+  const auto columns = static_cast<std::size_t>(tiles_x);
+  std::vector<double> density(columns * static_cast<std::size_t>(tiles_y), 0);
+  std::vector<double> samples(density.size(), 0);
+  // The mean of s^-2 over a tile, from rectangles that are a share of a square between four cell centres: there the
+  // integral is known, so that a spike counts as what it holds and not as its smallest s.
+  const auto shares = [](std::int32_t tiles, std::uint32_t cells) {
+    return std::max(1U, (4 * static_cast<std::uint32_t>(tiles) + cells - 1) / cells);
+  };
+  const std::uint32_t width = field.width * shares(tiles_x, field.width);
+  const std::uint32_t height = field.height * shares(tiles_y, field.height);
+  const FieldView<double> view = field.template view<double>();
+  const auto size_at = [&](double x, double y) {  // [share of the torus], from the first cell's centre
+    const double u = wrap(x * field.width + 0.5, static_cast<double>(field.width));
+    const double v = wrap(y * field.height + 0.5, static_cast<double>(field.height));
+    return sample_size(view, BilinearPlace<double>(field.width, field.height, u, v)).size;
+  };
+  const auto tile_of = [](double share, double first, std::int32_t tiles) {
+    return static_cast<std::size_t>(wrap(share + first, 1.0) * tiles);
+  };
+  std::vector<double> above(width + 1, 0);  // s along the upper sides of a row of rectangles
+  std::vector<double> below(width + 1, 0);
+  for (std::uint32_t x = 0; x <= width; ++x) above[x] = size_at(static_cast<double>(x) / width, 0);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    const auto row = tile_of((y + 0.5) / height, 0.5 / field.height, tiles_y);
+    for (std::uint32_t x = 0; x <= width; ++x) below[x] = size_at(static_cast<double>(x) / width, (y + 1.0) / height);
+    for (std::uint32_t x = 0; x < width; ++x) {
+      const auto column = tile_of((x + 0.5) / width, 0.5 / field.width, tiles_x);
+      density[row * columns + column] += mean_inverse_square(above[x], above[x + 1], below[x], below[x + 1]);
+      samples[row * columns + column] += 1;
+    }
+    above.swap(below);
+  }
+  for (std::size_t t = 0; t < density.size(); ++t) density[t] /= samples[t];
+  return density;
+}
+
 }  // namespace
 
 void validate(const Setup& setup) {
@@ -31,6 +71,7 @@ void validate(const Setup& setup) {
   require(setup.stiffness_ratio > 0, "stiffness_ratio", double{setup.stiffness_ratio}, "> 0");
   require(setup.step >= 0 && std::isfinite(setup.step), "step", double{setup.step}, "finite and >= 0");
   require(setup.damping >= 0 && setup.damping <= 1, "damping", double{setup.damping}, "in [0, 1]");
+  require(setup.ghost_steps >= 0, "ghost_steps", setup.ghost_steps, ">= 0");
   require(setup.velocity_cap > 0 && std::isfinite(setup.velocity_cap), "velocity_cap", double{setup.velocity_cap},
           "finite and > 0");
   require(setup.gradient_limit > 0 && setup.gradient_limit <= 100, "gradient_limit", double{setup.gradient_limit},
@@ -76,15 +117,16 @@ Problem make_problem(const Setup& setup, std::span<const Vec2f> positions, const
     throw ConfigError("SPH classes beside a size field that varies: not supported; relax every class by itself");
   }
   problem.terms = {setup.kernel, classed || !problem.field.uniform, classed};
+  if (!problem.field.uniform) problem.tile_density = tile_densities(problem.field);
+  const Ring ring = problem.walls ? make_ghost_ring(setup, problem) : Ring{};
+  problem.x.reserve(positions.size() + ring.x.size());
+  problem.y.reserve(positions.size() + ring.y.size());
   for (const Vec2f p : positions) {
     problem.x.push_back(double{p.x} / problem.spacing);
     problem.y.push_back(double{p.y} / problem.spacing);
   }
-  if (problem.walls) {
-    const Ring ring = make_ghost_ring(setup, problem);
-    problem.x.insert(problem.x.end(), ring.x.begin(), ring.x.end());
-    problem.y.insert(problem.y.end(), ring.y.begin(), ring.y.end());
-  }
+  problem.x.insert(problem.x.end(), ring.x.begin(), ring.x.end());
+  problem.y.insert(problem.y.end(), ring.y.begin(), ring.y.end());
   return problem;
 }
 
@@ -93,42 +135,12 @@ Cells<Real> cells_for(const Problem& problem) {
   const SizeField& field = problem.field;
   const double support = problem.class_support;
   if (field.uniform) return {field.length_x, field.length_y, support};
-  const std::int32_t tiles_x = Cells<Real>::tile_count(field.length_x);
-  const std::int32_t tiles_y = Cells<Real>::tile_count(field.length_y);
-  const auto columns = static_cast<std::size_t>(tiles_x);
-  std::vector<double> density(columns * static_cast<std::size_t>(tiles_y), 0);
-  std::vector<double> samples(density.size(), 0);
-  // The mean of s^-2 over a tile, from rectangles that are a share of a square between four cell centres: there the
-  // integral is known, so that a spike counts as what it holds and not as its smallest s.
-  const auto shares = [](std::int32_t tiles, std::uint32_t cells) {
-    return std::max(1U, (4 * static_cast<std::uint32_t>(tiles) + cells - 1) / cells);
-  };
-  const std::uint32_t width = field.width * shares(tiles_x, field.width);
-  const std::uint32_t height = field.height * shares(tiles_y, field.height);
-  const FieldView<double> view = field.template view<double>();
-  const auto size_at = [&](double x, double y) {  // [share of the torus], from the first cell's centre
-    const double u = wrap(x * field.width + 0.5, static_cast<double>(field.width));
-    const double v = wrap(y * field.height + 0.5, static_cast<double>(field.height));
-    return sample_size(view, BilinearPlace<double>(field.width, field.height, u, v)).size;
-  };
-  const auto tile_of = [](double share, double first, std::int32_t tiles) {
-    return static_cast<std::size_t>(wrap(share + first, 1.0) * tiles);
-  };
-  std::vector<double> above(width + 1, 0);  // s along the upper sides of a row of rectangles
-  std::vector<double> below(width + 1, 0);
-  for (std::uint32_t x = 0; x <= width; ++x) above[x] = size_at(static_cast<double>(x) / width, 0);
-  for (std::uint32_t y = 0; y < height; ++y) {
-    const auto row = tile_of((y + 0.5) / height, 0.5 / field.height, tiles_y);
-    for (std::uint32_t x = 0; x <= width; ++x) below[x] = size_at(static_cast<double>(x) / width, (y + 1.0) / height);
-    for (std::uint32_t x = 0; x < width; ++x) {
-      const auto column = tile_of((x + 0.5) / width, 0.5 / field.width, tiles_x);
-      density[row * columns + column] += mean_inverse_square(above[x], above[x + 1], below[x], below[x + 1]);
-      samples[row * columns + column] += 1;
-    }
-    above.swap(below);
-  }
-  for (std::size_t t = 0; t < density.size(); ++t) density[t] /= samples[t];
-  return {field.length_x, field.length_y, support, tiles_x, tiles_y, density};
+  return {field.length_x,
+          field.length_y,
+          support,
+          Cells<Real>::tile_count(field.length_x),
+          Cells<Real>::tile_count(field.length_y),
+          problem.tile_density};
 }
 
 template Cells<float> cells_for(const Problem&);

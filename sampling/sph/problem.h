@@ -24,6 +24,7 @@ struct Problem {
   double plane_x = 1, plane_y = 1;
   bool walls = false;
   double support = 2, class_support = 2;
+  std::vector<double> tile_density;  // mean of s^-2 in every tile of the cells; empty if uniform
   std::size_t particles = 0;         // ids below are the caller's, from there on ghosts
   std::vector<double> x, y;          // [particles + ghosts], on the torus
   std::vector<std::uint8_t> labels;  // class by id; empty unless classed

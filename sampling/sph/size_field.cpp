@@ -1,42 +1,15 @@
 #include "sampling/sph/size_field.h"
 
 #include <algorithm>
-#include <limits>
-#include <numbers>
-#include <string>
+#include <cmath>
+#include <vector>
 
-#include "sampling/error.h"
+#include "sampling/sph/background.h"
+#include "sampling/sph/raster_border.h"
+#include "sampling/sph/reach.h"
 
 namespace abn::sph {
 namespace {
-
-/// Index of a cell beyond the border: repeated, or mirrored (which for the neighbour of a border cell is the border
-/// cell itself).
-std::uint32_t beyond(std::int64_t i, std::uint32_t count, bool periodic) {
-  if (count <= 1) return 0;
-  const std::int64_t n = count;
-  if (i >= 0 && i < n) return static_cast<std::uint32_t>(i);  // mostly; a division is slow
-  if (periodic) return static_cast<std::uint32_t>(((i % n) + n) % n);
-  const std::int64_t folded = ((i % (2 * n)) + 2 * n) % (2 * n);
-  return static_cast<std::uint32_t>(folded < n ? folded : 2 * n - 1 - folded);
-}
-
-/// atanh(t) / t, by its series where that converges at once.
-double inverse_logarithmic_mean(double t) {
-  const double u = t * t;
-  if (u < 0.02) return 1 + u * (1.0 / 3 + u * (1.0 / 5 + u * (1.0 / 7 + u * (1.0 / 9 + u * (1.0 / 11 + u / 13)))));
-  return std::atanh(t) / t;
-}
-
-void require_positive(const Grid<float>& s) {
-  if (s.size().area() == 0) throw ConfigError("size field: it has no cells; give at least 1x1");
-  for (std::size_t i = 0; i < s.cells().size(); ++i) {
-    if (!(s[i] > 0 && std::isfinite(s[i]))) {
-      throw ConfigError("size field: cell " + std::to_string(i) + " is " + std::to_string(s[i]) +
-                        "; every relative spacing must be finite and > 0");
-    }
-  }
-}
 
 /// Blocks of factor x factor cells become one with their mean s^-2.
 Grid<float> reduced(const Grid<float>& s, std::uint32_t factor_x, std::uint32_t factor_y) {
@@ -63,13 +36,19 @@ Grid<float> reduced(const Grid<float>& s, std::uint32_t factor_x, std::uint32_t 
 /// Mirrors the field into a ring of margin cells around the plane; the torus' seam lies in the middle of the ring.
 Grid<float> extended(const Grid<float>& s, std::uint32_t margin_x, std::uint32_t margin_y) {
   const Extent size{s.size().width + 2 * margin_x, s.size().height + 2 * margin_y};
+  const auto origins = [](std::uint32_t length, std::uint32_t plane, std::uint32_t margin) {
+    std::vector<std::uint32_t> from(length);
+    for (std::uint32_t i = 0; i < length; ++i) {
+      from[i] = beyond_border(i < plane + margin ? std::int64_t{i} : std::int64_t{i} - length, plane, false);
+    }
+    return from;
+  };
+  const std::vector<std::uint32_t> from_x = origins(size.width, s.size().width, margin_x);
+  const std::vector<std::uint32_t> from_y = origins(size.height, s.size().height, margin_y);
   Grid<float> result(size);
   for (std::uint32_t y = 0; y < size.height; ++y) {
-    const std::int64_t from_y = y < s.size().height + margin_y ? std::int64_t{y} : std::int64_t{y} - size.height;
-    for (std::uint32_t x = 0; x < size.width; ++x) {
-      const std::int64_t from_x = x < s.size().width + margin_x ? std::int64_t{x} : std::int64_t{x} - size.width;
-      result.at(x, y) = s.at(beyond(from_x, s.size().width, false), beyond(from_y, s.size().height, false));
-    }
+    const float* line = &s.at(0, from_y[y]);
+    for (std::uint32_t x = 0; x < size.width; ++x) result.at(x, y) = line[from_x[x]];
   }
   return result;
 }
@@ -93,271 +72,7 @@ double ring_width(const Grid<float>& s, const FieldOptions& options, bool horizo
   return margin;
 }
 
-/// For blocks of squares between neighbouring cell centres, the largest and the smallest s of any particle that may
-/// interact with one inside the block, by descending a pyramid of extremes. Both are bounds: a little too wide.
-class NeighbourhoodSearch {
- public:
-  static constexpr std::uint32_t block = 2;  // squares a side
-
-  NeighbourhoodSearch(const SizeField& field, const Grid<float>& s, double support)
-      : half_support_(support / 2), cell_x_(field.length_x / field.width), cell_y_(field.length_y / field.height) {
-    const Extent size = s.size();
-    Level squares(size);
-    for (std::uint32_t y = 0; y < size.height; ++y) {
-      const std::uint32_t below = beyond(std::int64_t{y} + 1, size.height, true);
-      for (std::uint32_t x = 0; x < size.width; ++x) {
-        const std::uint32_t right = beyond(std::int64_t{x} + 1, size.width, true);
-        const auto [least, most] = std::minmax({s.at(x, y), s.at(right, y), s.at(x, below), s.at(right, below)});
-        squares.extremes[std::size_t{y} * size.width + x] = {least, most};
-      }
-    }
-    levels_.push_back(std::move(squares));
-    // At least down to one block, so that a query always has its level.
-    while (levels_.size() < 2 || levels_.back().size.area() > 1) {
-      const Level& fine = levels_.back();
-      Level coarse({(fine.size.width + 1) / 2, (fine.size.height + 1) / 2});
-      for (std::uint32_t y = 0; y < fine.size.height; ++y) {
-        for (std::uint32_t x = 0; x < fine.size.width; ++x) {
-          coarse.extremes[std::size_t{y / 2} * coarse.size.width + x / 2].widen(
-              fine.extremes[std::size_t{y} * fine.size.width + x]);
-        }
-      }
-      levels_.push_back(std::move(coarse));
-    }
-    // Beyond that a search would meet images of images; such planes are tiny.
-    wraps_more_than_once_ =
-        2 * half_support_ * levels_.back().extremes[0].most >= 0.5 * std::min(field.length_x, field.length_y);
-  }
-
-  struct Range {
-    float least = std::numeric_limits<float>::infinity();
-    float most = 0;
-    void widen(const Range& other) {
-      least = std::min(least, other.least);
-      most = std::max(most, other.most);
-    }
-  };
-
-  /// Of the block that begins at square (block*x, block*y).
-  Range around(std::uint32_t x, std::uint32_t y) const {
-    if (wraps_more_than_once_) return levels_.back().extremes[0];
-    const Range own = levels_[1].extremes[std::size_t{y} * levels_[1].size.width + x];
-    Range range = own;
-    for (int image_y = -1; image_y <= 1; ++image_y) {
-      for (int image_x = -1; image_x <= 1; ++image_x) {
-        const double px = static_cast<double>(block) * x - static_cast<double>(image_x) * levels_[0].size.width;
-        const double py = static_cast<double>(block) * y - static_cast<double>(image_y) * levels_[0].size.height;
-        descend(levels_.size() - 1, 0, 0, px, py, own.most, range);
-      }
-    }
-    return range;
-  }
-
- private:
-  struct Level {
-    explicit Level(Extent extent) : size(extent), extremes(extent.area()) {}
-    Extent size;
-    std::vector<Range> extremes;
-  };
-
-  /// Widens `range` by the squares of a subtree that lie within reach of the block at (px,py) [squares].
-  void descend(std::size_t level, std::uint32_t x, std::uint32_t y, double px, double py, float own,
-               Range& range) const {
-    const Level& here = levels_[level];
-    const Range& extremes = here.extremes[std::size_t{y} * here.size.width + x];
-    if (extremes.most <= range.most && extremes.least >= range.least) return;
-    const double span = static_cast<double>(std::uint64_t{1} << level);
-    const double dx = gap(px, x * span, span) * cell_x_;
-    const double dy = gap(py, y * span, span) * cell_y_;
-    const double radius = half_support_ * (double{own} + double{extremes.most});
-    if (dx * dx + dy * dy >= radius * radius) return;
-    if (level == 0) {
-      range.widen(extremes);
-      return;
-    }
-    const Extent fine = levels_[level - 1].size;
-    for (std::uint32_t v = 2 * y; v < std::min(2 * y + 2, fine.height); ++v) {
-      for (std::uint32_t u = 2 * x; u < std::min(2 * x + 2, fine.width); ++u) {
-        descend(level - 1, u, v, px, py, own, range);
-      }
-    }
-  }
-  /// Distance between [p, p+block] and [first, first+span].
-  static double gap(double p, double first, double span) {
-    return std::max({0.0, first - p - static_cast<double>(block), p - first - span});
-  }
-
-  double half_support_, cell_x_, cell_y_;
-  std::vector<Level> levels_;
-  bool wraps_more_than_once_ = false;
-};
-
-/// Nodes and weights of the Gauss-Legendre rule on [0,1], by Newton's iteration on the Legendre polynomial.
-void gauss_legendre(int count, std::vector<double>& node, std::vector<double>& weight) {
-  node.resize(static_cast<std::size_t>(count));
-  weight.resize(static_cast<std::size_t>(count));
-  for (int i = 0; i < count; ++i) {
-    double z = std::cos(std::numbers::pi * (i + 0.75) / (count + 0.5));
-    double slope = 1;
-    for (int iteration = 0; iteration < 50; ++iteration) {
-      double p = 1;
-      double previous = 0;
-      for (int k = 1; k <= count; ++k) {
-        const double older = previous;
-        previous = p;
-        p = ((2 * k - 1) * z * previous - (k - 1) * older) / k;
-      }
-      slope = count * (z * p - previous) / (z * z - 1);
-      const double change = p / slope;
-      z -= change;
-      if (std::abs(change) < 1e-15) break;
-    }
-    node[static_cast<std::size_t>(i)] = 0.5 * (1 - z);
-    weight[static_cast<std::size_t>(i)] = 1 / ((1 - z * z) * slope * slope);
-  }
-}
-
-/// Polar quadrature over a disc: rings by Gauss-Legendre, every second one turned by half an angle.
-struct DiscRule {
-  std::vector<double> node, weight;  // of the radius on [0,1]
-  std::vector<double> cosine, sine;  // of the angles; the second half for odd rings
-  int angles = 0;
-
-  DiscRule(int rings, int angle_count) : angles(angle_count) {
-    gauss_legendre(rings, node, weight);
-    for (int k = 0; k < 2 * angles; ++k) {
-      const double angle = 2 * std::numbers::pi * (k % angles + (k < angles ? 0.0 : 0.5)) / angles;
-      cosine.push_back(std::cos(angle));
-      sine.push_back(std::sin(angle));
-    }
-  }
-};
-
-/// The farthest place of which a particle may reach one at (x,y), in units of H s(x,y); 1 where s is constant.
-double outermost(const FieldSample<double>& here) { return 0.5 * (1 + here.reach / here.size); }
-
-BilinearPlace<double> place_of(const FieldView<double>& view, double x, double y) {
-  return {view.width, view.height, x * view.cells_per_x, y * view.cells_per_y};
-}
-
-template <Kernel kernel>
-Pull pull_of(const SizeField& field, double support, double x, double y, const DiscRule& rule) {
-  const FieldView<double> view = field.view<double>();
-  const FieldSample<double> here = sample_size(view, place_of(view, x, y));
-  const double widest = outermost(here);
-  const double unit = support * here.size;
-  Pull pull;
-  for (std::size_t k = 0; k < rule.node.size(); ++k) {
-    const double radius = rule.node[k] * widest;
-    const double ring = rule.weight[k] * widest * radius * 2 * std::numbers::pi / rule.angles;
-    const std::size_t first = k % 2 == 0 ? 0 : static_cast<std::size_t>(rule.angles);
-    for (std::size_t a = first; a < first + static_cast<std::size_t>(rule.angles); ++a) {
-      const double dx = unit * radius * rule.cosine[a];
-      const double dy = unit * radius * rule.sine[a];
-      const double there_x = wrap(x - dx, field.length_x);
-      const double there_y = wrap(y - dy, field.length_y);
-      const double size = sample_size(view, place_of(view, there_x, there_y)).size;
-      const double factor = warp(here.size, size);
-      const double weighted = ring * gradient_shape<kernel>(radius * here.size * factor) * factor / (size * size);
-      pull.x += weighted * dx;
-      pull.y += weighted * dy;
-    }
-  }
-  return {pull.x * unit * unit, pull.y * unit * unit};  // dA = (H s)^2 radius d radius d angle
-}
-
-Pull pull_by_kernel(const SizeField& field, const FieldOptions& options, double x, double y, const DiscRule& rule) {
-  switch (options.kernel) {
-    case Kernel::wendland:
-      return pull_of<Kernel::wendland>(field, options.support, x, y, rule);
-    case Kernel::poly6_spiky:
-      return pull_of<Kernel::poly6_spiky>(field, options.support, x, y, rule);
-    case Kernel::cubic:
-      break;
-  }
-  return pull_of<Kernel::cubic>(field, options.support, x, y, rule);
-}
-
 }  // namespace
-
-double mean_inverse_square(double upper_left, double upper_right, double lower_left, double lower_right) {
-  const double p = upper_left * lower_right;
-  const double q = upper_right * lower_left;
-  const double t = (p - q) / (p + q);  // L = (p-q) / ln(p/q) = (p+q)/2 * t / atanh(t)
-  return inverse_logarithmic_mean(t) / (0.5 * (p + q));
-}
-
-double mean_inverse_square(const Grid<float>& s, bool periodic) {
-  const Extent size = s.size();
-  double total = 0;
-  // Squares between cell centres; without periodicity those at the border lie half outside, where s is mirrored.
-  const std::int64_t first = periodic ? 0 : -1;
-  for (std::int64_t y = first; y < size.height; ++y) {
-    const bool half_y = !periodic && (y < 0 || y + 1 == size.height);
-    const std::uint32_t top = beyond(y, size.height, periodic);
-    const std::uint32_t below = beyond(y + 1, size.height, periodic);
-    double row = 0;
-    for (std::int64_t x = first; x < size.width; ++x) {
-      const bool half_x = !periodic && (x < 0 || x + 1 == size.width);
-      const std::uint32_t left = beyond(x, size.width, periodic);
-      const std::uint32_t right = beyond(x + 1, size.width, periodic);
-      row += mean_inverse_square(double{s.at(left, top)}, double{s.at(right, top)}, double{s.at(left, below)},
-                                 double{s.at(right, below)}) *
-             (half_x ? 0.5 : 1);
-    }
-    total += row * (half_y ? 0.5 : 1);
-  }
-  return total / static_cast<double>(size.area());
-}
-
-Grid<float> normalised_size_field(const Grid<float>& s, double largest, bool periodic) {
-  require_positive(s);
-  Grid<float> result = s;
-  const auto scale_by = [&](double factor, double limit) {
-    for (float& value : result.cells()) {
-      value = static_cast<float>(std::min(std::max(double{value} * factor, 1e-6), limit));
-    }
-  };
-  // Only ratios count: bring the largest value to 1 first, so that no square over- or underflows.
-  scale_by(1.0 / double{*std::max_element(s.cells().begin(), s.cells().end())}, 1.0);
-  scale_by(std::sqrt(mean_inverse_square(result, periodic)), largest);
-  scale_by(std::sqrt(mean_inverse_square(result, periodic)), largest);
-  return result;
-}
-
-bool limit_gradient(Grid<float>& s, double cell_x, double cell_y, double limit, bool periodic) {
-  const Extent size = s.size();
-  const auto step_x = static_cast<float>(limit * cell_x);
-  const auto step_y = static_cast<float>(limit * cell_y);
-  const auto step_diagonal = static_cast<float>(limit * std::hypot(cell_x, cell_y));
-  const auto neighbour = [&](std::int64_t x, std::int64_t y) {
-    return s.at(beyond(x, size.width, periodic), beyond(y, size.height, periodic));
-  };
-  // Two sweeps reach every cell inside the raster, more only across its border.
-  bool ever = false;
-  for (int round = 0; round < 64; ++round) {
-    bool changed = false;
-    for (const int direction : {1, -1}) {
-      for (std::uint32_t row = 0; row < size.height; ++row) {
-        const std::int64_t y = direction > 0 ? row : size.height - 1 - row;
-        for (std::uint32_t column = 0; column < size.width; ++column) {
-          const std::int64_t x = direction > 0 ? column : size.width - 1 - column;
-          float& here = s.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
-          const float bound = std::min({neighbour(x - direction, y) + step_x, neighbour(x, y - direction) + step_y,
-                                        neighbour(x - direction, y - direction) + step_diagonal,
-                                        neighbour(x + direction, y - direction) + step_diagonal});
-          if (bound < here) {
-            here = bound;
-            changed = true;
-          }
-        }
-      }
-    }
-    if (!changed) break;
-    ever = true;
-  }
-  return ever;
-}
 
 SizeField uniform_size_field(const FieldOptions& options) {
   SizeField field;
@@ -411,53 +126,21 @@ SizeField prepare_size_field(const Grid<float>& given, const FieldOptions& optio
   field.width = s.size().width;
   field.height = s.size().height;
   field.cells.resize(s.size().area());
-  const NeighbourhoodSearch search(field, s, options.support);
-  std::vector<float> contrast(field.cells.size());
-  constexpr std::uint32_t block = NeighbourhoodSearch::block;
-  const auto block_rows = static_cast<std::int64_t>((field.height + block - 1) / block);
-#pragma omp parallel for schedule(dynamic, 4)
-  for (std::int64_t row = 0; row < block_rows; ++row) {
-    const auto first_y = static_cast<std::uint32_t>(row) * block;
-    for (std::uint32_t first_x = 0; first_x < field.width; first_x += block) {
-      const auto range = search.around(first_x / block, static_cast<std::uint32_t>(row));
-      for (std::uint32_t y = first_y; y < std::min(first_y + block, field.height); ++y) {
-        for (std::uint32_t x = first_x; x < std::min(first_x + block, field.width); ++x) {
-          FieldCell& cell = field.cells[std::size_t{y} * field.width + x];
-          cell.size = s.at(x, y);
-          // A little more than the bound, so that rounding never hides a neighbour.
-          cell.reach = range.most * 1.00001F;
-          contrast[std::size_t{y} * field.width + x] = std::max(range.most / cell.size, cell.size / range.least);
-        }
-      }
+  const double torus_cell_x = field.length_x / field.width;
+  const double torus_cell_y = field.length_y / field.height;
+  const Grid<float> reach = reach_by_block(s, torus_cell_x, torus_cell_y, options.support);
+#pragma omp parallel for schedule(static)
+  for (std::int64_t row = 0; row < std::int64_t{field.height}; ++row) {
+    const auto y = static_cast<std::uint32_t>(row);
+    for (std::uint32_t x = 0; x < field.width; ++x) {
+      FieldCell& cell = field.cells[std::size_t{y} * field.width + x];
+      cell.size = s.at(x, y);
+      // A little more than the bound, so that rounding never hides a neighbour.
+      cell.reach = reach.at(x / reach_block, y / reach_block) * 1.00001F;
     }
   }
-  if (!options.background) return field;
-  // The steeper s is, the finer the quadrature. Errors, where the force of a pair is about .1 and that at a jump .4:
-  // mean .0005 and at most .003 for a smooth 1:10 field, mean .003 and at most .02 for a step of 1:10, .02 and .1 for
-  // 1:100.
-  const DiscRule flat(4, 8);
-  const DiscRule gentle(6, 12);
-  const DiscRule steep(12, 24);
-  const auto rows = static_cast<std::int64_t>(field.height);
-#pragma omp parallel for schedule(dynamic, 4)
-  for (std::int64_t row = 0; row < rows; ++row) {
-    for (std::uint32_t column = 0; column < field.width; ++column) {
-      const std::size_t i = static_cast<std::size_t>(row) * field.width + column;
-      if (contrast[i] < 1.0001F) continue;
-      const double x = (column + 0.5) / field.width * field.length_x;
-      const double y = (static_cast<double>(row) + 0.5) / field.height * field.length_y;
-      const DiscRule& rule = contrast[i] < 1.2F ? flat : contrast[i] < 1.4F ? gentle : steep;
-      const Pull pull = pull_by_kernel(field, options, x, y, rule);
-      field.cells[i].pull_x = static_cast<float>(pull.x);
-      field.cells[i].pull_y = static_cast<float>(pull.y);
-    }
-  }
+  if (options.background) tabulate_background(s, options, field);
   return field;
-}
-
-Pull background_force(const SizeField& field, const FieldOptions& options, double x, double y, int rings, int angles) {
-  if (field.uniform) return {};
-  return pull_by_kernel(field, options, x, y, DiscRule(rings, angles));
 }
 
 }  // namespace abn::sph

@@ -11,6 +11,8 @@
 
 #include "sampling/error.h"
 #include "sampling/rng.h"
+#include "sampling/sph/raster_border.h"
+#include "sampling/sph/reach.h"
 #include "sampling/sph/size_field_cases.h"
 #include "sampling/sph/test_planes.h"
 
@@ -325,6 +327,85 @@ TEST(SphSizeFieldCases, AreAsNamedAndRefuseWrongWords) {
   EXPECT_FLOAT_EQ(make_size_field("step:3.5", {2, 1}).at(1, 0), 3.5F);
   for (const char* bad : {"", "hill", "step:", "step:0.5", "step:1001", "step:nan", "step:3x", "step:inf"}) {
     EXPECT_THROW(make_size_field(bad, {4, 4}), ConfigError) << bad;
+  }
+}
+
+/// Lowered until no value rises any more: what limit_gradient() sweeps for.
+Grid<float> limited_by_repetition(Grid<float> s, double cell_x, double cell_y, double limit, bool periodic) {
+  const auto step_x = static_cast<float>(limit * cell_x);
+  const auto step_y = static_cast<float>(limit * cell_y);
+  const auto diagonal = static_cast<float>(limit * std::hypot(cell_x, cell_y));
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (std::int64_t y = 0; y < s.size().height; ++y) {
+      for (std::int64_t x = 0; x < s.size().width; ++x) {
+        for (int v = -1; v <= 1; ++v) {
+          for (int u = -1; u <= 1; ++u) {
+            if (u == 0 && v == 0) continue;
+            const float step = u != 0 && v != 0 ? diagonal : u != 0 ? step_x : step_y;
+            float& here = s.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+            const float bound =
+                s.at(beyond_border(x + u, s.size().width, periodic), beyond_border(y + v, s.size().height, periodic)) +
+                step;
+            changed = changed || bound < here;
+            here = std::min(here, bound);
+          }
+        }
+      }
+    }
+  }
+  return s;
+}
+
+TEST(SphSizeField, GradientLimitIsThatOfRepetition) {
+  for (const Extent size : {Extent{1, 1}, Extent{2, 1}, Extent{1, 5}, Extent{2, 3}, Extent{3, 2}, Extent{31, 17}}) {
+    for (const bool periodic : {false, true}) {
+      Grid<float> s(size);
+      for (std::size_t i = 0; i < s.cells().size(); ++i) {
+        s[i] = 0.2F + 5 * Rng(11, stream_id("rough field"), i).uniform();
+      }
+      const Grid<float> expected = limited_by_repetition(s, 0.5, 0.7, 1, periodic);
+      const bool lowered = !std::equal(s.cells().begin(), s.cells().end(), expected.cells().begin());
+      EXPECT_EQ(limit_gradient(s, 0.5, 0.7, 1, periodic), lowered);
+      for (std::size_t i = 0; i < s.cells().size(); ++i) ASSERT_EQ(s[i], expected[i]) << size.width << " " << i;
+    }
+  }
+}
+
+TEST(SphSizeField, ReachBoundsEveryPairOfSquares) {
+  Grid<float> s({61, 34});
+  for (std::size_t i = 0; i < s.cells().size(); ++i) {
+    const float u = Rng(12, stream_id("rough field"), i).uniform();
+    s[i] = 0.1F + 3 * u * u * u * u;
+  }
+  s.at(60, 33) = 12;
+  const double cell_x = 0.4;
+  const double cell_y = 0.6;
+  const double half_support = 1;
+  const Grid<float> reach = reach_by_block(s, cell_x, cell_y, 2 * half_support);
+  const auto most_in = [&](std::uint32_t x, std::uint32_t y) {  // square to the right of and below a cell's centre
+    const std::uint32_t right = (x + 1) % 61;
+    const std::uint32_t below = (y + 1) % 34;
+    return std::max({s.at(x, y), s.at(right, y), s.at(x, below), s.at(right, below)});
+  };
+  const auto gap = [](std::uint32_t a, std::uint32_t b, std::uint32_t count) {
+    const std::uint32_t distance = a > b ? a - b : b - a;
+    return static_cast<double>(std::max(std::min(distance, count - distance), 1U) - 1);
+  };
+  for (std::uint32_t y = 0; y < 34; y += 3) {
+    for (std::uint32_t x = 0; x < 61; x += 5) {
+      float most = 0;
+      for (std::uint32_t v = 0; v < 34; ++v) {
+        for (std::uint32_t u = 0; u < 61; ++u) {
+          const double distance = std::hypot(gap(x, u, 61) * cell_x, gap(y, v, 34) * cell_y);
+          if (distance < half_support * (double{most_in(x, y)} + double{most_in(u, v)})) {
+            most = std::max(most, most_in(u, v));
+          }
+        }
+      }
+      ASSERT_GE(reach.at(x / reach_block, y / reach_block), most) << x << " " << y;
+      ASSERT_LE(reach.at(x / reach_block, y / reach_block), 12.0F);
+    }
   }
 }
 

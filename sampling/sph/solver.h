@@ -31,12 +31,13 @@ struct RelaxReport {
   double mean_displacement = 0;  // of the free particles in the last step
   double max_displacement = 0;   // likewise
   double still = 0;              // share of the free particles that moved by less than the tolerance in the last step
-  double mean_density = 0;       // before the last step, relative to N / area; 1 at equilibrium
-  bool converged = false;        // by Setup::criterion
-  int mean_converged_at = -1;    // first step whose mean displacement was below the tolerance; -1 = none
-  int every_converged_at = -1;   // first step in which every displacement was; -1 = none
-  double step = 0;               // Setup::step as it was at the end
-  int step_reductions = 0;       // how often it was reduced because the particles did not calm down
+  double mean_density = 0;      // before the last step, relative to N / area; 1 at equilibrium. An engine that does not
+                                // need it (Delta infinite) may say 1
+  bool converged = false;       // by Setup::criterion
+  int mean_converged_at = -1;   // first step whose mean displacement was below the tolerance; -1 = none
+  int every_converged_at = -1;  // first step in which every displacement was; -1 = none
+  double step = 0;              // Setup::step as it was at the end
+  int step_reductions = 0;      // how often it was reduced because the particles did not calm down
   std::uint64_t non_finite = 0;  // steps of a particle that were not finite and were dropped
 };
 
@@ -48,16 +49,18 @@ struct Evaluation {
   std::vector<double> force_y;
 };
 
-/// Everything an engine needs to start. Positions and classes are copied.
+/// Everything an engine needs to start. Positions, classes and the size field are copied.
 struct Setup {
   Extent plane;                      // [px]
   std::span<const Vec2f> positions;  // [px], inside the plane
   std::span<const std::uint8_t> classes =
-      {};  // of every particle; empty = one class. Classes are blue alone and together
+      {};                                   // of every particle; empty = one class. Classes are blue alone and together
+  const Grid<float>* size_field = nullptr;  // start with this one as if by set_size_field(), but with a single ring
   Kernel kernel = Kernel::wendland;
   Boundary boundary = Boundary::periodic;
   float support_radius = 2.0F;   // H [d]
-  float stiffness_ratio = 0.3F;  // Delta = density difference of thesis eq. 2.18 relative to the mean density
+  float stiffness_ratio = 0.3F;  // Delta = density difference of thesis eq. 2.18 relative to the mean density;
+                                 // infinite: the pressure is 1 everywhere and relax() sums no densities
   float step = 1.2F;             // [d]
   float damping = 0.6F;          // share of the velocity that survives a step
   float velocity_cap = 0.3F;     // [d per step]
@@ -68,6 +71,7 @@ struct Setup {
   float gradient_limit = 1.0F;  // largest |grad s| of a size field
   bool thesis_cells = false;    // only the twin: look only into 3x3 cells of H s_min, the thesis' mistake (fig. 2.3)
   std::uint64_t seed = 1;       // of the ghost ring
+  int ghost_steps = 40;         // that relax the ghost ring before it is fixed
 };
 
 /// N particles. Ids are indices into Setup::positions, stable for life.

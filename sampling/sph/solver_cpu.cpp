@@ -76,6 +76,8 @@ class CpuSolver final : public SteppingSolver {
     reach_.assign(sized ? n_ + lanes : 0, Real(1));
     pull_x_.assign(sized ? n_ : 0, Real(0));
     pull_y_.assign(sized ? n_ : 0, Real(0));
+    largest_in_tile_.assign(sized && !problem.field.uniform ? cells_.tiles().size() : 0, Real(0));
+    largest_in_row_.assign(sized && !problem.field.uniform ? cells_.rows() : 0, Real(0));
     label_.assign(classed ? n_ + lanes : 0, Real(0));
     class_density_.assign(classed ? n_ + lanes : 0, Real(1));
     class_pressure_.assign(classed ? n_ + lanes : 0, Real(1));
@@ -232,6 +234,27 @@ class CpuSolver final : public SteppingSolver {
     std::swap(now_.vx, next_.vx);
     std::swap(now_.vy, next_.vy);
     std::swap(now_.id, next_.id);
+    find_largest();
+  }
+
+  /// The largest s of the particles in every tile and every row of its cells.
+  void find_largest() {
+    if (largest_in_row_.empty()) return;
+    const std::span<const Tile<Real>> tiles = cells_.tiles();
+    const auto count = static_cast<std::int64_t>(tiles.size());
+#pragma omp parallel for schedule(static) if (n_ >= parallel_from)
+    for (std::int64_t t = 0; t < count; ++t) {
+      const Tile<Real>& tile = tiles[static_cast<std::size_t>(t)];
+      Real in_tile = 0;
+      for (std::int32_t row = 0; row < tile.rows; ++row) {
+        const std::uint32_t* start = cell_start_.data() + tile.first + static_cast<std::uint32_t>(row * tile.columns);
+        Real in_row = 0;
+        for (std::uint32_t i = start[0]; i < start[tile.columns]; ++i) in_row = std::max(in_row, size_[i]);
+        largest_in_row_[tile.first_row + static_cast<std::uint32_t>(row)] = in_row;
+        in_tile = std::max(in_tile, in_row);
+      }
+      largest_in_tile_[static_cast<std::size_t>(t)] = in_tile;
+    }
   }
 
   /// True if a particle of the chunk shares its very place with another one; such two lie in the same cell. Reads the
@@ -253,7 +276,7 @@ class CpuSolver final : public SteppingSolver {
   }
 
   /// Sorts, sums the densities and turns them into pressures; returns the mean density of all but the ghosts.
-  /// `skip_fixed`: nobody will ask for the forces on fixed particles.
+  /// `skip_fixed`: nobody will ask for the densities, nor for the forces on fixed particles.
   double find_pressures(bool skip_fixed) {
     sort();
     const ParticleView<Real> all = view();
@@ -261,9 +284,13 @@ class CpuSolver final : public SteppingSolver {
     const DensityConstants<Real> constant = density_constants<Real>(terms, problem().support, problem().class_support);
     const std::uint8_t* fixed = skip_fixed && !this->fixed().empty() ? this->fixed().data() : nullptr;
     const std::size_t particles = problem().particles;
+    // Then every pressure is 1 whatever the densities are.
+    const bool no_densities = skip_fixed && std::isinf(setup().stiffness_ratio);
+    const LargestSizes<Real> largest{largest_in_tile_.data(), largest_in_row_.data()};
     for_each_chunk([&](std::size_t c, std::size_t begin, std::size_t end) {
       Chunk& chunk = chunks_[c];
-      find_blocks(all, terms, begin, end, fixed, chunk.blocks);
+      find_blocks(all, terms, begin, end, fixed, largest_in_row_.empty() ? nullptr : &largest, chunk.blocks);
+      if (no_densities) return;
       passes_.density(all, chunk.blocks, density_.data(), class_density_.data());
       chunk.density = chunk.class_density = 0;
       for (std::size_t i = begin; i < end; ++i) {
@@ -274,6 +301,7 @@ class CpuSolver final : public SteppingSolver {
         if (terms.classed) chunk.class_density += static_cast<double>(class_density_[i]);
       }
     });
+    if (no_densities) return 1;
     double density = 0;
     double class_density = 0;
     for (const Chunk& chunk : chunks_) {
@@ -324,6 +352,7 @@ class CpuSolver final : public SteppingSolver {
   State now_, next_;
   std::vector<Real> density_, pressure_;                      // in sorted order
   std::vector<Real> size_, reach_, pull_x_, pull_y_;          // likewise; only if sized
+  std::vector<Real> largest_in_tile_, largest_in_row_;        // s; only with a field that varies
   std::vector<Real> label_, class_density_, class_pressure_;  // likewise; only if classed
   std::vector<std::uint32_t> cell_, order_;                   // scratch of the sort
   std::vector<std::uint32_t> cell_start_;

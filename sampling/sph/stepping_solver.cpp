@@ -9,12 +9,13 @@ namespace {
 
 Problem validated_problem(const Setup& setup) {
   validate(setup);
-  return make_problem(setup, setup.positions, nullptr);
+  return make_problem(setup, setup.positions, setup.size_field);
 }
 
 Setup without_spans(Setup setup) {
   setup.positions = {};
   setup.classes = {};
+  setup.size_field = nullptr;
   return setup;
 }
 

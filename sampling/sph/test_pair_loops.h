@@ -88,7 +88,8 @@ class PairLoops {
     constexpr std::size_t chunk = 1024;
     blocks_.resize((n_ + chunk - 1) / chunk);
     for (std::size_t c = 0; c < blocks_.size(); ++c) {
-      find_blocks(view_, terms_, c * chunk, std::min(n_, (c + 1) * chunk), nullptr, blocks_[c]);
+      find_blocks(view_, terms_, c * chunk, std::min(n_, (c + 1) * chunk), nullptr,
+                  static_cast<const LargestSizes<float>*>(nullptr), blocks_[c]);
       passes.density(view_, blocks_[c], density.data(), nullptr);
     }
     find_pressures();
