@@ -41,7 +41,7 @@ function(abn_configure_sampling target)
   target_link_libraries(${target} PUBLIC OpenMP::OpenMP_CXX PRIVATE $<BUILD_INTERFACE:abn_internal> $<BUILD_INTERFACE:Boost::headers>)
   set_target_properties(${target} PROPERTIES EXPORT_NAME sampling)
   # The hot loops: these two flags let GCC vectorise them and change no result (no NaN test is dropped).
-  file(GLOB_RECURSE kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/sampling/sph/*.cpp)
+  file(GLOB_RECURSE kernels CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/sampling/sph/*.cpp ${PROJECT_SOURCE_DIR}/sampling/adaptive/*.cpp ${PROJECT_SOURCE_DIR}/sampling/fis/*.cpp)
   set_source_files_properties(${kernels} ${PROJECT_SOURCE_DIR}/sampling/gbn.cpp PROPERTIES COMPILE_OPTIONS "-O3;-fopenmp-simd;-fno-trapping-math")
 endfunction()
 

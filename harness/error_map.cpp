@@ -71,4 +71,23 @@ ErrorMap error_map(const Image& test, const Image& reference) {
   return map;
 }
 
+Picture estimated_error_raster(const Grid<float>& standard_error, double gain) {
+  require_gain(gain);
+  if (standard_error.cells().empty()) throw ConfigError("there are no estimated errors to draw");
+  Picture picture(standard_error.size().width, standard_error.size().height);
+  for (std::size_t pixel = 0; pixel < standard_error.cells().size(); ++pixel) {
+    const Rgb8 colour = false_colour(static_cast<float>(gain * double{standard_error[pixel]}));
+    std::copy_n(colour.data(), 3, picture.rgb.data() + pixel * 3);
+  }
+  return picture;
+}
+
+Picture estimated_error_picture(const Grid<float>& standard_error, double gain) {
+  MontageLayout layout;
+  layout.smallest_width = 600;
+  layout.colour_bar = {0.0, 1.0 / gain, true, "standard error of luminance, estimated without the truth, linear light"};
+  const MontageItem item{"estimated error x " + number(gain), estimated_error_raster(standard_error, gain)};
+  return montage({&item, 1}, layout);
+}
+
 }  // namespace abn::harness

@@ -3,6 +3,7 @@
 
 #include "harness/image.h"
 #include "harness/picture.h"
+#include "sampling/grid.h"
 
 namespace abn::harness {
 
@@ -27,5 +28,12 @@ struct ErrorMap {
 /// Throws ConfigError when sizes or channels differ. All functions above throw it for a gain that is not positive and
 /// finite.
 ErrorMap error_map(const Image& test, const Image& reference);
+
+/// False colour of gain x the errors that were estimated without the truth, one pixel each. Throws ConfigError for a
+/// gain that is not positive and finite, or no pixel.
+Picture estimated_error_raster(const Grid<float>& standard_error, double gain = 10.0);
+
+/// The same as a picture to look at, on the scale of ErrorMap::false_colour_picture(), labelled as an estimate.
+Picture estimated_error_picture(const Grid<float>& standard_error, double gain = 10.0);
 
 }  // namespace abn::harness

@@ -67,6 +67,26 @@ TEST(ErrorMap, PictureHoldsTheEnlargedRasterAndTheWholeScale) {
   EXPECT_EQ(ErrorMap::colour_bar(10).high, 0.1);
 }
 
+TEST(EstimatedError, RasterIsTheFalseColourOfEveryPixel) {
+  Grid<float> standard_error({3, 2});
+  for (std::size_t i = 0; i < 6; ++i) standard_error[i] = 0.02F * static_cast<float>(i);
+  standard_error[5] = std::numeric_limits<float>::quiet_NaN();
+  const Picture raster = estimated_error_raster(standard_error, 20);
+  ASSERT_EQ(raster.size(), standard_error.size());
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    const Rgb8 expected = false_colour(20 * standard_error[i]);
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), raster.pixel(i % 3, i / 3))) << i;
+  }
+  const Picture picture = estimated_error_picture(standard_error, 20);
+  EXPECT_GE(picture.width, 600U);
+}
+
+TEST(EstimatedError, NothingToDrawIsRefused) {
+  EXPECT_THROW(estimated_error_raster({}, 10), ConfigError);
+  EXPECT_THROW(estimated_error_picture({}, 10), ConfigError);
+  EXPECT_THROW(estimated_error_picture(Grid<float>({2, 2}), 0), ConfigError);
+}
+
 TEST(ErrorMap, WrongInputIsRefused) {
   EXPECT_THROW(error_map(Image({2, 2}, 1), Image({2, 2}, 3)), ConfigError);
   const ErrorMap map = error_map(image(1, {1}), image(1, {0}));

@@ -5,9 +5,10 @@
 #include <map>
 #include <memory>
 
+#include "harness/crops.h"
 #include "harness/experiment_loop.h"
-#include "harness/image_io.h"
-#include "harness/output.h"
+#include "harness/experiment_pictures.h"
+#include "harness/reliability.h"
 #include "harness/summary.h"
 #include "sampling/atomic_file.h"
 #include "sampling/error.h"
@@ -32,103 +33,38 @@ std::vector<std::string> csv_columns(const ExperimentSpec& spec, const std::vect
   for (const auto& metric : spec.metrics) columns.push_back("scores." + metric);
   for (const char* name :
        {"time.generate_s", "time.evaluate_s", "time.reconstruct_s", "time.total_s", "time.cached", "passes",
-        "empty_pixels", "max_samples_per_pixel", "diagnostics", "input_hash", "truth_standard_error"}) {
+        "empty_pixels", "max_samples_per_pixel", "diagnostics", "input_hash", "truth_standard_error", "estimated_rmse",
+        "calibration.rmse_ratio", "calibration.worst_bin_factor", "calibration.log2_deviation"}) {
     columns.emplace_back(name);
   }
+  for (const auto& crop : spec.crops) columns.push_back("regions." + crop);
+  if (!spec.guide.empty()) columns.emplace_back("guide");
+  if (spec.target_error > 0) columns.insert(columns.end(), {"target_error", "budget"});
   for (const auto& [name, value] : flatten({{"build", reproducibility_record()}})) columns.push_back(name);
   return columns;
 }
 
-std::string scene_name(const std::string& scene) {
-  return scene.starts_with("scene:") ? scene.substr(6) : fs::path(scene).stem().string();
-}
-
-std::string picture_stem(const std::string& scene, std::uint64_t samples, const std::string& label) {
-  return fmt::format("{}_{}_{}", scene_name(scene), samples, file_name(label));
-}
-
-/// Throws if the pictures of two runs would have the same name.
-void require_own_pictures(const ExperimentSpec& spec) {
-  std::map<std::string, std::string> owners;
-  for (const auto& scene : spec.scenes) {
-    for (const auto& choice : spec.strategies) {
-      const std::string owner = fmt::format("'{}' of {}", choice.label, scene);
-      const auto [other, is_new] = owners.emplace(picture_stem(scene, 0, choice.label), owner);
-      if (is_new) continue;
-      throw ConfigError(fmt::format(
-          "the pictures of {} and {} would have the same file names; change a label or the name of an image",
-          other->second, owner));
-    }
+/// The RMSE inside every crop of the scene.
+Json region_errors(const ExperimentSpec& spec, const RunResult& result, const Subject& subject) {
+  Json errors = Json::object();
+  for (const Region& region : named_regions(subject.spec.scene, spec.crops)) {
+    errors[region.name] = rmse_inside(result.picture, subject.truth.image, pixels_of(region, result.picture.size));
   }
-}
-
-/// The result (EXR and PNG), the signed difference (EXR), the error map (PNG).
-void save_pictures(const fs::path& folder, const RunResult& result, const Subject& subject, double gain) {
-  const std::string stem = picture_stem(subject.spec.scene, result.spec.samples, result.spec.label);
-  const auto path = [&](const char* ending) { return (folder / (stem + ending)).string(); };
-  write_picture(path(".exr"), result.picture, subject.high_dynamic_range);
-  write_picture(path(".png"), result.picture, subject.high_dynamic_range);
-  write_error_map(path("_difference.exr"), result.picture, subject.truth.image, gain);
-  write_error_map(path("_error.png"), result.picture, subject.truth.image, gain);
-}
-
-void save_truth(const fs::path& folder, const Subject& subject) {
-  const std::string path = (folder / (scene_name(subject.spec.scene) + "_truth")).string();
-  write_picture(path + ".exr", subject.truth.image, subject.high_dynamic_range);
-  write_picture(path + ".png", subject.truth.image, subject.high_dynamic_range);
-}
-
-/// One sheet per scene and budget from the pictures on disk, so that a resumed experiment gets all of it. A sheet whose
-/// pictures are not all there yet (another shard makes them) is left out. Returns the first one.
-fs::path draw_overviews(const ExperimentSpec& spec, const fs::path& out, const std::vector<Json>& rows) {
-  std::map<std::string, const Json*> first_seed_rows;
-  for (const auto& row : rows) {
-    if (row["seed"] == spec.first_seed)
-      first_seed_rows[picture_stem(row["scene"], row["samples"], row["label"])] = &row;
-  }
-  fs::path first;
-  for (const auto& scene : spec.scenes) {
-    for (const std::uint64_t samples : spec.budgets) {
-      std::vector<Exhibit> exhibits;
-      for (const auto& choice : spec.strategies) {
-        const std::string stem = picture_stem(scene, samples, choice.label);
-        const fs::path picture = out / "images" / (stem + ".exr");
-        const auto row = first_seed_rows.find(stem);
-        if (row == first_seed_rows.end() || !fs::exists(picture)) break;
-        const Json& rmse = (*row->second)["scores"].value("rmse", Json(nullptr));
-        exhibits.push_back(
-            {choice.label, load_image(picture.string()).image, rmse.is_number() ? rmse.get<double>() : 0.0});
-      }
-      if (exhibits.size() != spec.strategies.size()) continue;
-      const LoadedImage truth = load_image((out / "images" / (scene_name(scene) + "_truth.exr")).string());
-      bool above_one = false;
-      for (const float value : truth.image.texels) above_one = above_one || value > 1.0F;
-      const std::string title = fmt::format("{}: {}, {}x{}, {} samples", spec.title, scene_name(scene), spec.to.width,
-                                            spec.to.height, samples);
-      const Picture sheet = overview(title, truth.image, exhibits, above_one, spec.gain);
-      const bool only_one = spec.scenes.size() * spec.budgets.size() == 1;
-      const fs::path path =
-          out / (only_one ? "overview.png" : fmt::format("overview_{}_{}.png", scene_name(scene), samples));
-      save_rgb8(path.string(), sheet.size(), sheet.rgb);
-      if (first.empty()) first = path;
-    }
-  }
-  return first;
+  return errors;
 }
 
 }  // namespace
 
 ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOptions& options) {
   const std::vector<RunSpec> all = spec.expand();
-  if (spec.images) require_own_pictures(spec);
+  const ExperimentPictures pictures(spec, options.out);
   const ExperimentFolder folder(options);
   RowFile file(options.out, csv_columns(spec, all), options.resume);
-  const fs::path images = options.out / "images";
-  if (spec.images) fs::create_directories(images);
 
   Progress* bar = nullptr;
   std::unique_ptr<Subject> subject;
-  const auto do_run = [&](const RunSpec& run_spec) {
+  const auto do_run = [&](RunSpec run_spec) {
+    run_spec.cache = options.cache;
     if (!subject || subject->spec != run_spec.subject) {
       subject.reset();  // one source at a time in memory
       subject = load_subject(run_spec.subject);
@@ -136,13 +72,18 @@ ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOpt
       if (!options.quiet) {
         for (const auto& notice : subject->notices) fmt::print(stderr, "abn: {}: {}\n", run_spec.subject.scene, notice);
       }
-      if (spec.images) save_truth(images, *subject);
+      pictures.save_truth(*subject);
     }
-    const RunResult result = run(run_spec, *subject, spec.metrics);
+    PointSet samples;
+    const bool keep_samples = spec.sample_pictures && pictures.wants(run_spec);
+    const RunResult result = run(run_spec, *subject, spec.metrics, keep_samples ? &samples : nullptr);
     Json row = to_json(result);
+    if (!result.standard_error.cells().empty())
+      row["calibration"] = to_json(reliability(result.standard_error, result.picture, subject->truth.image));
+    if (!spec.crops.empty()) row["regions"] = region_errors(spec, result, *subject);
     row["input_hash"] = result.source_hash;
     // Pictures first: where there is a row, a resumed experiment finds its pictures.
-    if (spec.images && run_spec.seed == spec.first_seed) save_pictures(images, result, *subject, spec.gain);
+    if (pictures.wants(run_spec)) pictures.save(result, *subject, samples);
     return row;
   };
   std::vector<Job> jobs;
@@ -163,7 +104,7 @@ ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOpt
   try {
     outcome.table = summary_table(file.rows(), spec.baseline);
     write_atomically(options.out / "table.md", outcome.table);
-    if (spec.images) outcome.overview = draw_overviews(spec, options.out, file.rows());
+    outcome.overview = pictures.draw_sheets(file.rows());
   } catch (const Json::exception&) {
     throw IoError(fmt::format("{}: a line of it is no row of an experiment; remove it, then go on with --resume",
                               (options.out / "runs.jsonl").string()));

@@ -19,6 +19,7 @@ struct ExperimentOptions {
   std::uint64_t shards = 1;
   bool quiet = false;
   bool json = false;  // every finished row goes to stdout too
+  bool cache = true;  // stages that depend on no image may come from the disk cache
 };
 
 /// What is left of an experiment when it ends or is stopped.

@@ -58,8 +58,8 @@ ExperimentFolder::ExperimentFolder(const ExperimentOptions& options) {
     fs::remove_all(options.out / "points", error);
     fs::remove(options.out / "table.md", error);
     for (const auto& entry : fs::directory_iterator(options.out)) {
-      if (entry.path().filename().string().starts_with("overview") ||
-          entry.path().filename().string().starts_with("map"))
+      const std::string name = entry.path().filename().string();
+      if (name.starts_with("overview") || name.starts_with("crops_") || name.starts_with("map"))
         fs::remove(entry.path(), error);
     }
   }

@@ -53,7 +53,8 @@ void add_samples(const SampleBatch& batch, const float* values, Grid<PixelSum>& 
 
 }  // namespace
 
-Film::Film(Extent plane, std::uint32_t channels) : channels_(channels), sums_(plane), stats_(plane) {
+Film::Film(Extent plane, std::uint32_t channels, bool keep_samples)
+    : channels_(channels), sums_(plane), stats_(plane), keep_samples_(keep_samples) {
   assert(plane.area() > 0 && (channels == 1 || channels == 3));
 }
 
@@ -64,6 +65,15 @@ void Film::add(const SampleBatch& batch, std::span<const float> values) {
   const auto function = channels_ == 1 ? add_samples<1> : add_samples<3>;
   function(batch, values.data(), sums_, stats_);
   samples_ += batch.position.size();
+  if (!keep_samples_) return;
+  kept_.position.insert(kept_.position.end(), batch.position.begin(), batch.position.end());
+  kept_.value.insert(kept_.value.end(), values.begin(), values.end());
+  kept_.weight.insert(kept_.weight.end(), batch.weight.begin(), batch.weight.end());
+  kept_.weight.resize(samples_, 1.0F);
+  for (std::size_t i = 0; i < batch.position.size(); ++i) {
+    kept_.pixel.push_back(batch.pixel.empty() ? static_cast<std::uint32_t>(owner(batch.position[i], sums_.size()))
+                                              : batch.pixel[i]);
+  }
 }
 
 Developed Film::develop() const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "harness/image.h"
 #include "sampling/grid.h"
@@ -17,6 +18,7 @@ struct Developed {
   std::uint64_t empty_pixels = 0;           // had no usable sample and were filled from their neighbours
   std::uint64_t max_samples_per_pixel = 0;  // of the fullest pixel
   std::uint64_t samples = 0;                // all that were added
+  Grid<float> standard_error;               // of every pixel's luminance, estimated from its samples; empty = unknown
 };
 
 /// What a pixel has received; sums in double, so that 24-bit values and weights add up without visible rounding.
@@ -26,11 +28,20 @@ struct PixelSum {
   std::uint64_t count = 0;        // number of samples
 };
 
+/// Samples with their values.
+struct KeptSamples {
+  std::vector<Vec2f> position;       // [px]
+  std::vector<float> value;          // [samples * channels]
+  std::vector<float> weight;         // 0 = it counts as evaluated and nothing else
+  std::vector<std::uint32_t> pixel;  // owner y*width+x
+};
+
 /// Collects samples on a plane. Samples are added one after the other in the order given, so that the result does not
 /// depend on threads.
 class Film {
  public:
-  Film(Extent plane, std::uint32_t channels);
+  /// `keep_samples`: for the reconstructions that look at the samples themselves.
+  explicit Film(Extent plane, std::uint32_t channels, bool keep_samples = false);
 
   /// Adds a batch with its values [batch size * channels]. A sample belongs to batch.pixel or, without it, to the pixel
   /// that contains its position.
@@ -41,6 +52,8 @@ class Film {
   const Grid<PixelSum>& sums() const { return sums_; }
   std::uint32_t channels() const { return channels_; }
   std::uint64_t samples() const { return samples_; }
+  /// Every sample in the order added, its weight and owner spelled out; nothing unless kept.
+  const KeptSamples& kept() const { return kept_; }
 
   /// The box reconstruction: the mean of each pixel's samples by their actual number (by their actual sum of weights,
   /// sum w f / sum w). A pixel without samples or with sum w <= 0 is filled by fill_empty() and counted.
@@ -51,6 +64,8 @@ class Film {
   Grid<PixelSum> sums_;
   Grid<PixelStats> stats_;
   std::uint64_t samples_ = 0;
+  bool keep_samples_ = false;
+  KeptSamples kept_;
 };
 
 /// Fills the pixels that are not `covered` (non-zero) layer by layer from the covered ones outwards: a pixel takes the

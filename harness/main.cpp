@@ -143,11 +143,18 @@ struct CommandLine {
     c->add_option("IMAGE", o.image, "an image file or scene:NAME")->required();
     c->add_option("--to", o.to, "output size [px]")->capture_default_str();
     c->add_option("--strategy", o.strategy, "abn list strategies; or file:PATH, command:CMD")->required();
-    auto* spp = c->add_option("--spp", o.spp, "samples per pixel, default 6")->check(given());
+    auto* spp = c->add_option("--spp", o.spp, "samples per pixel, default 6; with --target-error at most, default 64")
+                    ->check(given());
     c->add_option("--samples", o.samples, "samples in all")->excludes(spp)->check(whole(1, kMaxBudget));
+    c->add_option("--target-error", o.target_error,
+                  "stop when the estimated RMSE (linear light) reaches this; adaptive strategies only")
+        ->check(finite(true));
     c->add_option("--set", o.set, "a parameter of the strategy, KEY=VALUE (repeatable)")->allow_extra_args(false);
+    c->add_option("--guide", o.guide,
+                  "where samples matter: an image (albedo, edges), or true_variance; for parameters that say so")
+        ->check(given());
     c->add_option("--seed", o.seed, "seed of the strategy")->check(whole(0, kMaxSeed))->capture_default_str();
-    c->add_option("--filter", o.filter, "abn list filters")->capture_default_str();
+    add_filter(c, o.filter);
     c->add_option("--reconstruction", o.reconstruction, "abn list reconstructions; auto = what the strategy recommends")
         ->capture_default_str();
     c->add_option("--truth", o.truth, "exact, or monte_carlo:SPP")->capture_default_str();
@@ -156,8 +163,21 @@ struct CommandLine {
     c->add_option("--error-map", o.error_map,
                   "write the error: .exr signed difference, otherwise |difference| x gain in false colour")
         ->check(given());
-    c->add_option("--gain", o.gain, "gain of the error map")->check(finite(true))->capture_default_str();
+    c->add_option("--estimated-error", o.estimated_error,
+                  "write the error as estimated without the truth: .exr, otherwise x gain in false colour")
+        ->check(given());
+    c->add_option("--gain", o.gain, "gain of the error maps")->check(finite(true))->capture_default_str();
+    c->add_option("--reliability", o.reliability,
+                  "write how true the estimated errors are: a chart of the bins, or their numbers (.csv)")
+        ->check(given());
     c->add_option("--points", o.points, "write the samples here, unit square, format by extension as in abn points")
+        ->check(given());
+    auto* picture = c->add_option("--points-picture", o.points_picture,
+                                  "draw the samples here, white on black, ghost particles in blue")
+                        ->check(given());
+    c->add_option("--points-region", o.points_region,
+                  "what of them to draw: LEFT,TOP,RIGHT,BOTTOM [px], default the whole plane")
+        ->needs(picture)
         ->check(given());
   }
   void add_run() {
@@ -234,7 +254,7 @@ struct CommandLine {
              "abn truth scene:apple --to 200x200 -o truth.exr", [this] { return abn::harness::truth(global, truth); });
     c->add_option("IMAGE", o.image, "an image file or scene:NAME")->required();
     c->add_option("--to", o.to, "output size [px]")->capture_default_str();
-    c->add_option("--filter", o.filter, "abn list filters")->capture_default_str();
+    add_filter(c, o.filter);
     c->add_option("--truth", o.method, "exact, or monte_carlo:SPP")->capture_default_str();
     add_source(c, o.integrand, o.channels, o.on_nonfinite);
     c->add_option("-o,--output", o.output, "file to write")->required()->check(given());
@@ -246,6 +266,10 @@ struct CommandLine {
     c->add_option("NAME", o.name, "abn list scenes")->required();
     c->add_option("--size", o.size, "width and height [px]")->check(whole(1, 65536))->capture_default_str();
     c->add_option("-o,--output", o.output, "file to write")->required()->check(given());
+  }
+  static void add_filter(CLI::App* c, std::string& filter) {
+    c->add_option("--filter", filter, "abn list filters; with parameters as in gaussian:sigma=0.5,radius=1.5")
+        ->capture_default_str();
   }
   static void add_source(CLI::App* c, std::string& integrand, std::string& channels, std::string& on_nonfinite) {
     c->add_option("--integrand", integrand,

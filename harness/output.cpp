@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "harness/error_map.h"
@@ -41,6 +42,17 @@ void write_error_map(const std::string& path, const Image& test, const Image& re
     save_image(path, map.difference);
   } else {
     const Picture picture = map.false_colour_picture(gain);
+    save_rgb8(path, picture.size(), picture.rgb);
+  }
+}
+
+void write_estimated_error(const std::string& path, const Grid<float>& standard_error, double gain) {
+  if (path.ends_with(".exr")) {
+    Image map(standard_error.size(), 1);
+    std::copy(standard_error.cells().begin(), standard_error.cells().end(), map.texels.begin());
+    save_image(path, map);
+  } else {
+    const Picture picture = estimated_error_picture(standard_error, gain);
     save_rgb8(path, picture.size(), picture.rgb);
   }
 }

@@ -6,6 +6,7 @@
 
 #include "harness/image.h"
 #include "harness/picture.h"
+#include "sampling/grid.h"
 
 namespace abn::harness {
 
@@ -26,6 +27,10 @@ void write_picture(const std::string& path, const Image& image, bool high_dynami
 /// Writes how two images differ: .exr the signed difference test - reference, float; otherwise |difference| x gain in
 /// false colour with a colour bar. Throws ConfigError, IoError.
 void write_error_map(const std::string& path, const Image& test, const Image& reference, double gain);
+
+/// Writes errors that were estimated without the truth: .exr as float, otherwise x gain in false colour with a colour
+/// bar, labelled as an estimate. Throws ConfigError, IoError.
+void write_estimated_error(const std::string& path, const Grid<float>& standard_error, double gain);
 
 /// One column of an overview.
 struct Exhibit {

@@ -90,7 +90,8 @@ ExperimentOutcome run_experiment(const PointExperimentSpec& spec, const Experime
 
   std::string density_word;
   std::shared_ptr<const Grid<float>> density;
-  const auto do_run = [&](const PointRunSpec& run_spec) {
+  const auto do_run = [&](PointRunSpec run_spec) {
+    run_spec.task.cache = options.cache;
     if (run_spec.density != density_word) {
       density = run_spec.density.empty() ? nullptr
                                          : load_density(run_spec.density, {.floor = run_spec.density_floor}).density;

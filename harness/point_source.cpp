@@ -1,11 +1,14 @@
 #include "harness/point_source.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <optional>
 
 #include "harness/backend.h"
 #include "harness/run.h"
 #include "sampling/density_warp.h"
+#include "sampling/error.h"
 
 namespace abn::harness {
 namespace {
@@ -13,7 +16,6 @@ namespace {
 struct Prepared {
   Extent plane{1, 1};
   bool warped = false;
-  bool adaptive = false;
   ParameterWords parameters;
   std::string backend;
   std::unique_ptr<Sampler> sampler;
@@ -24,10 +26,15 @@ Prepared prepare(const PointTask& task) {
   ParameterWords words = task.parameters;
   const Strategy& strategy = find_strategy(task.strategy, words);
   prepared.parameters = strategy.resolve(words);
-  prepared.adaptive = strategy.info.adaptive;
+  if (strategy.info.adaptive || strategy.info.filter) {
+    throw ConfigError(fmt::format("{}: its samples depend on {}; use abn downscale IMAGE --strategy {} --points FILE",
+                                  strategy.info.name, strategy.info.adaptive ? "an image" : "pixels and a filter",
+                                  strategy.info.name));
+  }
   const Backend backend = resolve_backend(task.backend);
   prepared.backend = backend.name;
-  SamplingTask sampling{.plane = {1, 1}, .budget = task.count, .seed = task.seed, .solver = backend.factory};
+  SamplingTask sampling{
+      .plane = {1, 1}, .budget = task.count, .seed = task.seed, .solver = backend.factory, .cache = task.cache};
   if (task.density && strategy.info.density) {
     // The plane of the density keeps its aspect; the unit square would squeeze the distances.
     sampling.plane = task.density->size();
@@ -54,8 +61,7 @@ DrawnPoints draw_points(const PointTask& task, Progress* progress) {
                     .parameters = std::move(prepared.parameters),
                     .diagnostics = {},
                     .backend = std::move(prepared.backend)};
-  // Strategies that are not adaptive never look at it.
-  const Grid<PixelStats> nothing(prepared.adaptive ? prepared.plane : Extent{1, 1});
+  const Grid<PixelStats> nothing({1, 1});  // strategies that are not adaptive never look at it
   PointSet& set = drawn.set;
   Sampler& sampler = *prepared.sampler;
   for (auto batch = next_batch(sampler, {nothing}); !batch.empty(); batch = next_batch(sampler, {nothing})) {

@@ -19,6 +19,7 @@ struct PointTask {
   std::uint64_t seed = 1;
   std::string backend = "auto";                          // auto | cpu | cuda
   std::shared_ptr<const Grid<float>> density = nullptr;  // null = uniform
+  bool cache = true;                                     // stages may come from the disk cache
 };
 
 struct DrawnPoints {

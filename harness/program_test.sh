@@ -24,6 +24,7 @@ cleanup() {
 }
 trap cleanup EXIT
 trap 'exit 130' INT TERM
+export XDG_CACHE_HOME=$work/cache # what is kept between runs goes with the test
 failures=$work/failures
 : >"$failures"
 
@@ -154,7 +155,7 @@ refusals() {
   head -c 5000 "$in/disks.jpg" >"$in/cut.jpg"
   head -c 20000 "$in/disks.exr" >"$in/cut.exr"
   printf '0.5 0.5\n0.25 0.75\n' >"$in/two.txt"
-  local seed file ramp jitter d
+  local seed file flag ramp jitter d
   d=(downscale scene:ramp --to 8x8 --strategy jitter)
 
   spawn refused 2 "no verb 'nonsense'.*downscale" nonsense
@@ -179,6 +180,27 @@ refusals() {
   spawn refused 2 'extension.*known: .exr' "${d[@]}" -o x.nonsense
   spawn refused 2 '\-\-output: the value is empty' "${d[@]}" -o ''
   spawn refused 2 'name the same file' "${d[@]}" -o x.png --error-map ./x.png
+  spawn refused 2 'name the same file' "${d[@]}" --reconstruction kriging --reliability x.png --points-picture ./x.png
+  spawn refused 2 "\-\-target-error: '0' is no number > 0" "${d[@]}" --target-error 0
+  spawn refused 2 '\-\-target-error with jitter.*use one of.*sph_adaptive' "${d[@]}" --target-error 0.1
+  spawn refused 2 '\-\-target-error: the reconstruction voronoi estimates no errors.*kriging' downscale scene:ramp --strategy sph_adaptive --reconstruction voronoi --target-error 0.1
+  spawn refused 2 '\-\-estimated-error: the reconstruction voronoi estimates no errors.*kriging' "${d[@]}" --reconstruction voronoi --estimated-error x.png
+  spawn refused 2 '\-\-reliability: the reconstruction voronoi estimates no errors' "${d[@]}" --reconstruction voronoi --reliability x.csv
+  spawn refused 2 '\-\-reliability x.exr: .*8-bit picture' "${d[@]}" --reconstruction kriging --reliability x.exr
+  spawn refused 2 '\-\-points-picture x.exr: .*8-bit picture' "${d[@]}" --points-picture x.exr
+  spawn refused 2 'extension.*known: .exr' "${d[@]}" --reconstruction kriging --estimated-error x.nonsense
+  spawn refused 2 "\-\-points-region is '1,2'; give LEFT,TOP,RIGHT,BOTTOM" "${d[@]}" --points-picture x.png --points-region 1,2
+  spawn refused 2 "\-\-points-region is '9,0,12,4'.*8x8 plane" "${d[@]}" --points-picture x.png --points-region 9,0,12,4
+  spawn refused 2 '\-\-points-region requires --points-picture' "${d[@]}" --points-region 0,0,4,4
+  spawn refused 2 'jitter as it is set looks at no guide.*sph_adaptive --set driver=guide' "${d[@]}" --guide true_variance
+  spawn refused 2 'sph_adaptive as it is set looks at no guide' downscale scene:ramp --strategy sph_adaptive --guide true_variance
+  spawn refused 2 'give --guide' downscale scene:ramp --strategy sph_adaptive --set driver=guide
+  spawn refused 3 "cannot read image '$in/missing.png'" downscale scene:ramp --strategy sph_adaptive --set driver=guide --guide "$in/missing.png"
+  for flag in --estimated-error --reliability --points-picture; do
+    spawn refused 3 "nowhere/x.png'.*create the folder" "${d[@]}" --reconstruction kriging $flag nowhere/x.png
+    spawn refused 3 'not a folder' "${d[@]}" --reconstruction kriging $flag "$in/folder.png"
+  done
+  spawn refused 3 "nowhere/x.csv'.*create the folder" "${d[@]}" --reconstruction kriging --reliability nowhere/x.csv
   spawn refused 3 "nowhere/x.png'.*create the folder" "${d[@]}" -o nowhere/x.png
   spawn refused 3 "nowhere/x.csv'.*create the folder" "${d[@]}" --points nowhere/x.csv
   spawn refused 3 'not a folder' "${d[@]}" -o "$in/folder.png"
@@ -223,6 +245,11 @@ refusals() {
   bad_spec syntax 'syntax.toml:1: not valid TOML' 2 'scenes = ['
   bad_spec unknown_key "unknown_key.toml:3: unknown key 'nonsense'.*known:" 2 "$ramp" "$spp" 'nonsense = 3' "$jitter"
   bad_spec same_budget 'lists 40000 twice' 2 "$ramp" 'spp = [1, 1]' "$jitter"
+  bad_spec crop_who "'crops' names 'nonsense'.*known: none" 2 "$ramp" "$spp" 'crops = ["nonsense"]' "$jitter"
+  bad_spec crop_known "'crops' names 'nonsense'.*known: .*stalk" 2 'scenes = ["scene:apple"]' "$spp" 'crops = ["nonsense"]' "$jitter"
+  bad_spec crop_size "'zoom' is 101" 2 "$ramp" "$spp" 'zoom = 101' "$jitter"
+  bad_spec sample_pictures 'sample_pictures = true without images' 2 "$ramp" "$spp" 'sample_pictures = true' "$jitter"
+  bad_spec target '\-\-target-error with jitter' 2 "$ramp" "$spp" 'target_error = 0.1' "$jitter"
   points='kind = "points"' counts='counts = 16'
   bad_spec other_kind "'kind' must be \"images\" or \"points\"" 2 'kind = "nonsense"' "$counts" "$jitter"
   bad_spec no_counts 'no counts; add counts = ' 2 "$points" "$jitter"
@@ -292,6 +319,34 @@ pictures() {
   spawn downscaled zeroed 24 "$in/nan.pfm" --to 2x2 --strategy jitter --on-nonfinite zero
   spawn downscaled command 400 scene:ramp --to 10x10 --strategy "command:$work/bin/my_sampler {n} {seed}" --samples 400
   wait
+  # What is said of the error without the truth.
+  spawn downscaled estimated 2400 "$in/disks.png" --to 20x20 --strategy jitter --reconstruction kriging --error-map true.exr \
+    --estimated-error estimated.exr --reliability reliability.csv --points-picture dots.png --points-region -1,-1,5,5
+  spawn downscaled drawn 2400 "$in/disks.png" --to 20x20 --strategy jitter --reconstruction kriging --estimated-error estimated.png \
+    --reliability reliability.png --points-picture plane.png
+  spawn downscaled guided 2400 "$in/disks.png" --to 20x20 --strategy sph_adaptive --set driver=guide --guide "$in/disks.jpg" -o guided.exr
+  spawn downscaled unguided 2400 "$in/disks.png" --to 20x20 --strategy sph_adaptive --no-cache -o uncached.exr
+  wait
+  json_with estimated.json estimated_rmse calibration rmse_ratio worst_bin_factor
+  [[ $(number estimated.json estimated_rmse) != "" ]] || fail "downscale --reconstruction kriging estimates no RMSE"
+  awk -v a="$(number estimated.json rmse_ratio)" 'BEGIN { exit !(a > 0.3 && a < 3) }' || fail "downscale: estimated / true RMSE is $(number estimated.json rmse_ratio)"
+  [[ $(wc -l <reliability.csv) == 21 ]] || fail "downscale --reliability .csv wrote $(wc -l <reliability.csv) lines instead of 21"
+  grep -q '"estimated_rmse":[0-9]' png.json || fail "downscale: a mean has no estimated RMSE: $(grep -o '"estimated_rmse":[^,]*' png.json)"
+  for file in true.exr estimated.exr dots.png estimated.png reliability.png plane.png; do [[ -s $file ]] || fail "downscale did not write $file"; done
+  grep -q '"guide":' guided.json || fail "downscale --guide: its JSON does not name the guide"
+  "$abn" downscale "$in/disks.png" --to 20x20 --strategy sph_adaptive --quiet -o cached.exr >/dev/null 2>&1
+  cmp -s cached.exr uncached.exr || fail "downscale --no-cache gives another picture"
+  succeeds estimated.txt downscale "$in/disks.png" --to 20x20 --strategy jitter --reconstruction kriging
+  grep -q 'estimated RMSE .* the true one is 0\.' estimated.txt || fail "downscale prints no estimated RMSE: $(cat estimated.txt)"
+  # It stops where the error is small enough, or at the end of the budget with a warning.
+  succeeds target.json downscale scene:disks --to 30x30 --strategy sph_adaptive --target-error 0.05 --json
+  json_with target.json target_error budget estimated_rmse
+  [[ $(number target.json budget) == 57600 ]] || fail "downscale --target-error: the budget is $(number target.json budget) instead of 64 per pixel"
+  below "$(number target.json samples)" 57600 || fail "downscale --target-error 0.05 took its whole budget"
+  below "$(number target.json estimated_rmse)" 0.0500001 || fail "downscale --target-error 0.05 stopped at $(number target.json estimated_rmse)"
+  succeeds missed.json downscale scene:disks --to 20x20 --strategy sph_adaptive --target-error 1e-9 --spp 6 --json
+  [[ $(number missed.json samples) == 2400 ]] || fail "downscale --target-error 1e-9: $(number missed.json samples) samples instead of all 2400"
+  grep -q 'above --target-error' missed.json.err || fail "downscale --target-error 1e-9: no warning that it was missed: $(cat missed.json.err)"
   for file in out_png.png out_jpg.png out_exr.png map_png.exr hdr.png map.png; do [[ -s $file ]] || fail "downscale did not write $file"; done
   grep -q '"seed":18446744073709551615' pixel.json || fail "the largest seed is not kept: $(grep -o '"seed":[^,]*' pixel.json)"
   for file in png exr; do below "$(number "$file.json" rmse)" 0.2 || fail "downscale of a .$file image: RMSE $(number "$file.json" rmse)"; done
@@ -389,7 +444,7 @@ TOML
   whole=results/runs/tiny
   [[ $(rows $whole) == 20 && -s $whole/table.md && -s $whole/images/ramp_truth.exr && -s $whole/overview_ramp_1152.png ]] ||
     fail "run into its default folder: $(find results -maxdepth 3 | tr '\n' ' ')"
-  [[ $(ls $whole/images | wc -l) == 18 ]] || fail "run: $(ls $whole/images | wc -l) pictures instead of 18"
+  [[ $(ls $whole/images | wc -l) == 26 ]] || fail "run: $(ls $whole/images | wc -l) pictures instead of 26"
   grep -q 'SPH, 5 iterations' table || fail "run: the table lacks a strategy"
   head -n 1 $whole/runs.csv | grep -q '^experiment,key,label,.*,params\.iterations,.*,scores\.rmse,scores\.mae,time\.generate_s,.*,build\.libraries\.opencv,' ||
     fail "runs.csv: its columns are not the dotted keys: $(head -n 1 $whole/runs.csv)"
@@ -429,6 +484,37 @@ TOML
   }
   stopped INT 130
   { stopped KILL 137; } 2>/dev/null # bash reports the kill
+  # Close looks: crops, the errors inside them, estimated errors, and the samples.
+  cat >close.toml <<'TOML'
+name = "close"
+scenes = ["scene:zone_plate"]
+to = "40x40"
+spp = 2
+seeds = 2
+images = true
+reconstruction = "kriging"
+crops = ["fine_rings", "centre"]
+zoom = 6
+sample_pictures = true
+metrics = ["rmse"]
+[[strategy]]
+name = "jitter"
+[[strategy]]
+name = "random"
+TOML
+  succeeds table run close.toml --out close --no-cache
+  for file in overview.png crops_centre.png crops_fine_rings.png images/zone_plate_3200_jitter_samples.png \
+    images/zone_plate_3200_random_samples_centre.png images/zone_plate_3200_random_estimated.exr; do
+    [[ -s close/$file ]] || fail "run with crops and sample pictures wrote no $file: $(ls close close/images | tr '\n' ' ')"
+  done
+  [[ $(grep -c '"regions":{"fine_rings":0\.[0-9]*,"centre":0\.' close/runs.jsonl) == 4 ]] || fail "run: rows without the errors inside the crops"
+  [[ $(grep -c '"calibration":{"rmse_ratio":' close/runs.jsonl) == 4 ]] || fail "run: rows without the calibration of estimated errors"
+  head -n 1 close/runs.csv | grep -q ',regions\.fine_rings,regions\.centre,' || fail "runs.csv lacks the columns of the crops"
+  grep -q 'region .* RMSE inside' table && grep -q '^| centre' table && grep -q 'estimated / true' table || fail "run: the table lacks crops: $(cat table)"
+  rm close/crops_centre.png
+  succeeds o run close.toml --out close --resume --json
+  [[ ! -s o && -s close/crops_centre.png ]] || fail "run --resume of a finished experiment did not draw its crops again"
+  succeeds o run close.toml --out close --overwrite --seeds 1 --quiet
   cat >sets.toml <<'TOML'
 kind = "points"
 name = "sets"

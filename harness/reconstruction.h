@@ -10,11 +10,12 @@
 
 namespace abn::harness {
 
-/// A row of the table.
+/// A row of the table. Samples of weight 0 count as evaluated and are looked at by no reconstruction.
 struct Reconstruction {
   std::string name;     // as typed after --reconstruction
   std::string summary;  // one sentence
   std::function<Developed(const Film&)> develop;
+  bool needs_samples = true;  // the film has to keep them
 };
 
 /// The table, in the order of `abn list reconstructions`.

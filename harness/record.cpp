@@ -11,6 +11,7 @@
 #include "abn_revision.h"
 #include "harness/backend.h"
 #include "harness/image_io.h"
+#include "harness/reliability.h"
 
 namespace abn::harness {
 namespace {
@@ -57,6 +58,12 @@ Json to_json(const std::vector<Diagnostic>& diagnostics) {
   return json;
 }
 
+Json to_json(const Reliability& curve) {
+  return {{"rmse_ratio", number(curve.rmse_ratio())},
+          {"worst_bin_factor", number(curve.worst_bin_factor())},
+          {"log2_deviation", number(curve.log2_deviation())}};
+}
+
 Json to_json(const RunResult& result) {
   const RunSpec& spec = result.spec;
   const Extent to = spec.subject.to;
@@ -71,6 +78,11 @@ Json to_json(const RunResult& result) {
   json["spp"] = static_cast<double>(result.samples) / static_cast<double>(to.area());
   json["filter"] = spec.subject.filter;
   json["reconstruction"] = result.reconstruction;
+  if (!spec.subject.guide.empty()) json["guide"] = spec.subject.guide;
+  if (spec.target_error > 0) {
+    json["target_error"] = spec.target_error;
+    json["budget"] = spec.samples;
+  }
   json["integrand"] = spec.subject.integrand;
   json["truth"] = spec.subject.truth;
   json["truth_standard_error"] = result.truth_standard_error;
@@ -80,6 +92,7 @@ Json to_json(const RunResult& result) {
   for (const auto& [key, value] : result.parameters) json["params"][key] = value;
   json["scores"] = Json::object();
   for (const auto& score : result.scores) json["scores"][score.metric] = number(score.value);
+  json["estimated_rmse"] = number(result.estimated_rmse);
   json["time"] = {{"generate_s", result.time.generate_s},
                   {"evaluate_s", result.time.evaluate_s},
                   {"reconstruct_s", result.time.reconstruct_s},

@@ -10,11 +10,17 @@ namespace abn::harness {
 
 using Json = nlohmann::ordered_json;
 
+struct Reliability;
+
 /// {"version","revision","build_type","compiler","cpu","gpu","libraries":{…}}: of this program on this machine.
 const Json& reproducibility_record();
 
-/// The object that `abn downscale --json` prints and `runs.jsonl` holds; an undefined score is null.
+/// The object that `abn downscale --json` prints and `runs.jsonl` holds; an undefined score is null, and so is
+/// "estimated_rmse" where the reconstruction estimates no errors.
 Json to_json(const RunResult& result);
+
+/// {"rmse_ratio","worst_bin_factor","log2_deviation"}: how good the error estimates of a run are; null where undefined.
+Json to_json(const Reliability& curve);
 
 /// [{"name","value","text","warning"}], the last two only where there is one.
 Json to_json(const std::vector<Diagnostic>& diagnostics);

@@ -5,17 +5,21 @@
 
 #include <charconv>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "harness/apple_analytic.h"
 #include "harness/backend.h"
 #include "harness/film.h"
-#include "harness/filter.h"
+#include "harness/filtered_truth.h"
+#include "harness/guide.h"
 #include "harness/image_io.h"
 #include "harness/metrics.h"
 #include "harness/reconstruction.h"
 #include "harness/rows.h"
+#include "harness/sample_sharing.h"
 #include "harness/scenes.h"
 #include "sampling/error.h"
 
@@ -37,6 +41,8 @@ class Stopwatch {
 };
 
 constexpr std::string_view kScenePrefix = "scene:";
+
+bool is_box(const PixelFilter& filter) { return filter.words().starts_with("box"); }
 
 /// 0 = exact, else the samples per pixel of the Monte Carlo truth.
 std::uint32_t truth_spp(const std::string& word) {
@@ -63,7 +69,11 @@ void validate(const SubjectSpec& spec) {
   }
   const std::uint32_t spp = truth_spp(spec.truth);
   static_cast<void>(parse_on_nonfinite(spec.on_nonfinite));
-  find_filter(spec.filter);
+  if (!is_box(*make_filter(spec.filter)) && spp > 0) {
+    throw ConfigError(
+        fmt::format("--filter {} with --truth {}: only the box has a Monte Carlo truth; use --truth exact", spec.filter,
+                    spec.truth));
+  }
   if (spec.integrand == "analytic") {
     if (spec.scene != "scene:apple_analytic") {
       throw ConfigError(
@@ -118,11 +128,18 @@ std::unique_ptr<Subject> load_subject(const SubjectSpec& spec, bool with_truth) 
   } else {
     subject->integrand = std::make_unique<ImageIntegrand>(subject->source, spec.to, interpolation);
   }
+  subject->filter = make_filter(spec.filter);
+  if (!spec.guide.empty()) subject->guide = load_guide(spec.guide, subject->source, spec.to);
   if (with_truth) {
     const std::uint32_t spp = truth_spp(spec.truth);
     constexpr std::uint64_t kTruthSeed = 0x7275746874727574U;  // never shared with a strategy's seed 1, 2, 3, …
-    subject->truth = spp == 0 ? exact_truth(subject->source, spec.to, interpolation)
-                              : monte_carlo_truth(*subject->integrand, spp, kTruthSeed);
+    if (spp != 0) {
+      subject->truth = monte_carlo_truth(*subject->integrand, spp, kTruthSeed);
+    } else if (is_box(*subject->filter)) {
+      subject->truth = exact_truth(subject->source, spec.to, interpolation);
+    } else {
+      subject->truth = filtered_truth(subject->source, spec.to, *subject->filter, interpolation);
+    }
   }
   return subject;
 }
@@ -136,15 +153,41 @@ void validate(const RunSpec& spec) {
     throw ConfigError("the budget is 0 samples; give --spp or --samples so that there is at least one");
   if (spec.samples > (std::uint64_t{1} << 36))
     throw ConfigError(fmt::format("the budget is {} samples; at most 2^36 can be asked for", spec.samples));
-  if (spec.reconstruction != "auto") find_reconstruction(spec.reconstruction);
+  const bool filtered = !is_box(*make_filter(spec.subject.filter));
+  if (spec.reconstruction != "auto") {
+    find_reconstruction(spec.reconstruction);
+    if (filtered && spec.reconstruction != "mean") {
+      throw ConfigError(fmt::format("--reconstruction {} with --filter {}: only mean goes with a filter other than box",
+                                    spec.reconstruction, spec.subject.filter));
+    }
+  }
+  if (!(spec.target_error >= 0 && std::isfinite(spec.target_error))) {
+    throw ConfigError(
+        fmt::format("--target-error is {}; give an RMSE > 0 in linear light, e.g. 0.01", spec.target_error));
+  }
+  if (spec.target_error > 0 && !strategy.info.adaptive) {
+    std::string stepping;
+    for (const auto& row : strategies()) {
+      if (row.info.adaptive) stepping += (stepping.empty() ? "" : ", ") + row.info.name;
+    }
+    throw ConfigError(fmt::format("--target-error with {}: it places all samples before it sees one; use one of {}",
+                                  strategy.info.name, stepping));
+  }
+  if (spec.target_error > 0 && filtered) {
+    throw ConfigError(
+        fmt::format("--target-error with --filter {}: errors are estimated for the box only", spec.subject.filter));
+  }
   resolve_backend(spec.backend);
 }
 
 void require_sampler(const RunSpec& spec) {
   ParameterWords words = spec.parameters;
   const Strategy& strategy = find_strategy(spec.strategy, words);
-  static_cast<void>(
-      strategy.make({.plane = spec.subject.to, .budget = spec.samples, .seed = spec.seed, .solver = nullptr}, words));
+  SamplingTask task{.plane = spec.subject.to, .budget = spec.samples, .seed = spec.seed};
+  task.filter = make_filter(spec.subject.filter);
+  // A stand-in: whoever needs a guide asks whether there is one, and looks at it later.
+  if (!spec.subject.guide.empty()) task.guide = std::make_shared<const Grid<float>>(Extent{1, 1}, 1.0F);
+  static_cast<void>(strategy.make(task, words));
 }
 
 std::string canonical(const RunSpec& spec) {
@@ -157,12 +200,16 @@ std::string canonical(const RunSpec& spec) {
   json["to"] = {spec.subject.to.width, spec.subject.to.height};
   json["integrand"] = spec.subject.integrand;
   json["truth"] = spec.subject.truth;
-  json["filter"] = spec.subject.filter;
+  json["filter"] = make_filter(spec.subject.filter)->words();
   json["channels"] = spec.subject.channels;
   json["on_nonfinite"] = spec.subject.on_nonfinite;
+  if (!spec.subject.guide.empty()) json["guide"] = spec.subject.guide;
+  if (spec.target_error > 0) json["target_error"] = spec.target_error;
   json["samples"] = spec.samples;
   json["seed"] = spec.seed;
-  json["reconstruction"] = spec.reconstruction == "auto" ? strategy.info.reconstruction : spec.reconstruction;
+  json["reconstruction"] = spec.reconstruction == "auto"
+                               ? strategy.info.reconstruction + strategy.info.reconstruction_hdr
+                               : spec.reconstruction;
   json["backend"] = resolve_backend(spec.backend).name;
   return json.dump();
 }
@@ -178,6 +225,27 @@ SampleBatch next_batch(Sampler& sampler, const Feedback& seen) {
   }
 }
 
+namespace {
+
+/// What `auto` means for a strategy on a subject. A box apart, every filter goes with the mean only.
+std::string resolved_reconstruction(const RunSpec& spec, const StrategyInfo& info, const Sampler& sampler,
+                                    const Subject& subject) {
+  if (spec.reconstruction != "auto") return spec.reconstruction;
+  if (!is_box(*subject.filter)) return "mean";
+  if (!sampler.reconstruction().empty()) return std::string(sampler.reconstruction());
+  return subject.high_dynamic_range && !info.reconstruction_hdr.empty() ? info.reconstruction_hdr : info.reconstruction;
+}
+
+/// Root mean square of the estimated errors; NaN without any.
+double estimated_rmse(const Grid<float>& standard_error) {
+  if (standard_error.cells().empty()) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0;
+  for (const float e : standard_error.cells()) sum += double{e} * double{e};
+  return std::sqrt(sum / static_cast<double>(standard_error.cells().size()));
+}
+
+}  // namespace
+
 RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std::string>& metric_names,
               PointSet* points, Progress* progress) {
   validate(spec);
@@ -186,37 +254,48 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
   ParameterWords words = spec.parameters;
   const Strategy& strategy = find_strategy(spec.strategy, words);
   result.parameters = strategy.resolve(words);
-  result.reconstruction = spec.reconstruction == "auto" ? strategy.info.reconstruction : spec.reconstruction;
-  const Reconstruction& reconstruction = find_reconstruction(result.reconstruction);
   const Backend backend = resolve_backend(spec.backend);
   result.backend = backend.name;
   result.threads = omp_get_max_threads();
   result.source_hash = subject.source_hash;
   result.truth_standard_error = standard_error_rms(subject.truth);
 
+  Stopwatch watch;
+  const auto sampler = strategy.make({.plane = subject.spec.to,
+                                      .budget = spec.samples,
+                                      .seed = spec.seed,
+                                      .solver = backend.factory,
+                                      .filter = subject.filter,
+                                      .guide = subject.guide,
+                                      .high_dynamic_range = subject.high_dynamic_range,
+                                      .small_steps = spec.target_error > 0,
+                                      .cache = spec.cache},
+                                     words);
+  result.reconstruction = resolved_reconstruction(spec, strategy.info, *sampler, subject);
+  const Reconstruction& reconstruction = find_reconstruction(result.reconstruction);
+  // The samples of a filter importance strategy are distributed as the filter: their plain mean is filtered already.
+  const bool shares = !is_box(*subject.filter) && !strategy.info.filter;
+  const auto develop = [&](const Film& film) {
+    return shares ? share_samples(film, *subject.filter) : reconstruction.develop(film);
+  };
+
   // The one loop: generate -> evaluate -> accumulate -> feed back.
   const Integrand& integrand = *subject.integrand;
   const std::uint32_t channels = integrand.channels();
-  Film film(subject.spec.to, channels);
+  const bool film_keeps_samples = shares || reconstruction.needs_samples;
+  Film film(subject.spec.to, channels, film_keeps_samples);
   std::vector<float> values;
-  std::vector<float> luminances;
-  Stopwatch watch;
-  const auto sampler = strategy.make(
-      {.plane = subject.spec.to, .budget = spec.samples, .seed = spec.seed, .solver = backend.factory}, words);
+  std::optional<Developed> developed;
   std::uint64_t done = 0;
   for (;;) {
     if (progress != nullptr) progress->update(done, "sampling");
-    const SampleBatch batch = next_batch(*sampler, {film.stats(), luminances});
+    const SampleBatch batch = next_batch(*sampler, {film.stats(), values, channels});
     result.time.generate_s += watch.lap();
     if (batch.empty()) break;
     values.resize(batch.position.size() * channels);
     integrand.evaluate(batch.position, values);
     result.time.evaluate_s += watch.lap();
     film.add(batch, values);
-    if (strategy.info.adaptive) {
-      luminances.resize(batch.position.size());
-      for (std::size_t i = 0; i < luminances.size(); ++i) luminances[i] = luminance(&values[i * channels], channels);
-    }
     if (points != nullptr) {
       points->position.insert(points->position.end(), batch.position.begin(), batch.position.end());
       points->weight.insert(points->weight.end(), batch.weight.begin(), batch.weight.end());
@@ -224,23 +303,49 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
     }
     ++result.passes;
     done += batch.position.size();
+    if (spec.target_error > 0) {
+      developed = develop(film);
+      if (developed->standard_error.cells().empty()) {
+        throw ConfigError(fmt::format("--target-error: reconstruction {} estimates no errors; use kriging or edge",
+                                      result.reconstruction));
+      }
+      if (estimated_rmse(developed->standard_error) <= spec.target_error) break;
+      if (done < spec.samples) developed.reset();
+    }
     result.time.reconstruct_s += watch.lap();
     stop_if_interrupted();
   }
-  Developed developed = reconstruction.develop(film);
+  if (!developed) developed = develop(film);
   result.time.reconstruct_s += watch.lap();
   result.time.total_s = result.time.generate_s + result.time.evaluate_s + result.time.reconstruct_s;
+  result.time.cached = sampler->cached();
+  result.ghosts.assign(sampler->ghosts().begin(), sampler->ghosts().end());
+  result.standard_error = std::move(developed->standard_error);
+  result.estimated_rmse = estimated_rmse(result.standard_error);
 
-  result.picture = std::move(developed.image);
-  result.samples = developed.samples;
-  result.empty_pixels = developed.empty_pixels;
-  result.max_samples_per_pixel = developed.max_samples_per_pixel;
+  result.picture = std::move(developed->image);
+  result.samples = developed->samples;
+  result.empty_pixels = developed->empty_pixels;
+  result.max_samples_per_pixel = developed->max_samples_per_pixel;
   result.diagnostics = sampler->diagnostics();
-  if (developed.empty_pixels > 0) {
+  if (developed->empty_pixels > 0) {
+    // The reconstructions that look at the samples estimate such a pixel from those around it.
+    const bool filled = !film_keeps_samples;
     result.diagnostics.push_back(
         {.name = "empty_pixels",
-         .value = static_cast<double>(developed.empty_pixels),
-         .text = fmt::format("{} pixels got no sample and were filled from their neighbours", developed.empty_pixels),
+         .value = static_cast<double>(developed->empty_pixels),
+         .text = fmt::format("{} pixels got no sample and were {}", developed->empty_pixels,
+                             filled ? "filled from their neighbours" : "estimated from the samples around them"),
+         .warning = filled});
+  }
+  if (spec.target_error > 0 && !(result.estimated_rmse <= spec.target_error)) {
+    result.diagnostics.push_back(
+        {.name = "target_missed",
+         .value = result.estimated_rmse,
+         .text =
+             fmt::format("the budget of {} samples ended at an estimated RMSE of {:.4g}, above --target-error {:g}; "
+                         "give more samples",
+                         spec.samples, result.estimated_rmse, spec.target_error),
          .warning = true});
   }
   for (const auto& name : metric_names) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,9 +22,10 @@ struct SubjectSpec {
   Extent to = {200, 200};               // output size [px]
   std::string integrand = "nearest";    // nearest | bilinear | analytic (procedural scenes that have one)
   std::string truth = "exact";          // exact | monte_carlo:SPP
-  std::string filter = "box";           // a row of filters()
+  std::string filter = "box";           // "NAME" or "NAME:KEY=VALUE,…" of filters()
   std::string channels;                 // as LoadOptions::channels
   std::string on_nonfinite = "refuse";  // refuse | zero | clamp
+  std::string guide = {};               // "" | an image file | true_variance: what SamplingTask::guide is made of
   friend bool operator==(const SubjectSpec&, const SubjectSpec&) = default;
 };
 
@@ -36,6 +38,8 @@ struct Subject {
   std::vector<std::string> notices;
   std::unique_ptr<Integrand> integrand;
   GroundTruth truth;
+  std::shared_ptr<const PixelFilter> filter;
+  std::shared_ptr<const Grid<float>> guide;  // null = none
 };
 
 /// Throws ConfigError, IoError. `with_truth` false leaves the truth empty.
@@ -51,6 +55,8 @@ struct RunSpec {
   std::uint64_t seed = 1;
   std::string reconstruction = "auto";  // a row of reconstructions(), or auto = what the strategy recommends
   std::string backend = "auto";         // auto | cpu | cuda
+  double target_error = 0;              // stop once the estimated RMSE is at most this; 0 = spend the budget
+  bool cache = true;                    // stages that depend on no image may come from the disk cache
 };
 
 /// Checks every word of a spec that can be checked without loading or running anything. Throws ConfigError or
@@ -92,6 +98,9 @@ struct RunResult {
   std::uint64_t empty_pixels = 0;
   std::uint64_t max_samples_per_pixel = 0;
   std::vector<Diagnostic> diagnostics;
+  std::vector<Vec2f> ghosts;   // particles outside the plane [px], for pictures
+  Grid<float> standard_error;  // of every pixel, estimated without the truth; empty = the reconstruction makes none
+  double estimated_rmse = std::numeric_limits<double>::quiet_NaN();  // of standard_error; NaN = none
   double truth_standard_error = 0;  // standard_error_rms() of the truth it was measured against; 0 = exact
   std::string source_hash;
 };

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <set>
 
+#include "harness/crops.h"
 #include "harness/data_path.h"
 #include "harness/metrics.h"
 #include "harness/toml_reader.h"
 #include "sampling/error.h"
+#include "sampling/pixel_filter.h"
 
 namespace abn::harness {
 namespace {
@@ -22,6 +24,32 @@ std::string known_experiments() {
       if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
   }
   return fmt::format("{}", fmt::join(names, " "));
+}
+
+/// A file is named relative to the spec, so that the pair can be moved together.
+std::string beside(const std::filesystem::path& spec, const std::string& file) {
+  return std::filesystem::path(file).is_relative() ? (spec.parent_path() / file).lexically_normal().string() : file;
+}
+
+/// Throws unless every crop is a region of one of the scenes.
+void require_crops(const ExperimentSpec& spec) {
+  require_distinct(spec.crops, "crops");
+  for (const auto& crop : spec.crops) {
+    std::vector<std::string> known;
+    bool found = false;
+    for (const auto& scene : spec.scenes) {
+      found |= !named_regions(scene, {crop}).empty();
+      if (!scene.starts_with("scene:")) continue;
+      for (const auto& region : regions(find_scene(scene.substr(6)))) known.push_back(region.name);
+    }
+    if (!found) {
+      throw ConfigError(fmt::format("'crops' names '{}', and no scene has a region of that name; known: {}", crop,
+                                    known.empty() ? "none" : fmt::format("{}", fmt::join(known, " "))));
+    }
+  }
+  if (spec.zoom > 100) throw ConfigError(fmt::format("'zoom' is {}; give a whole number from 1 to 100", spec.zoom));
+  if (spec.sample_pictures && !spec.images)
+    throw ConfigError("sample_pictures = true without images; add images = true");
 }
 
 }  // namespace
@@ -55,7 +83,6 @@ ExperimentSpec load_experiment(const std::filesystem::path& path) {
   spec.to = parse_extent(reader.text("to", "200x200"), file + ": 'to'");
   spec.truth = reader.text("truth", spec.truth);
   spec.integrand = reader.text("integrand", spec.integrand);
-  spec.filter = reader.text("filter", spec.filter);
   spec.reconstruction = reader.text("reconstruction", spec.reconstruction);
   spec.on_nonfinite = reader.text("on_nonfinite", spec.on_nonfinite);
   spec.backend = reader.text("backend", spec.backend);
@@ -63,14 +90,18 @@ ExperimentSpec load_experiment(const std::filesystem::path& path) {
   spec.first_seed = reader.whole("first_seed", 1, 0);
   spec.images = reader.boolean("images", false);
   spec.gain = reader.number("gain", 10, 1e-6, 1e6);
+  spec.crops = reader.texts("crops");
+  spec.zoom = reader.whole("zoom", 8, 1);
+  spec.sample_pictures = reader.boolean("sample_pictures", false);
+  spec.guide = reader.text("guide", "");
+  if (!spec.guide.empty() && spec.guide != "true_variance") spec.guide = beside(path, spec.guide);
+  spec.target_error = reader.number("target_error", 0, 0, 1e6);
   spec.baseline = reader.text("baseline", "");
   spec.metrics = reader.texts("metrics");
+  if (const auto filters = reader.texts("filter"); !filters.empty()) spec.filters = filters;
 
-  for (std::string scene : reader.texts("scenes")) {
-    // An image file is named relative to the spec, so that the pair can be moved together.
-    if (!scene.starts_with("scene:") && std::filesystem::path(scene).is_relative())
-      scene = (path.parent_path() / scene).lexically_normal().string();
-    spec.scenes.push_back(scene);
+  for (const std::string& scene : reader.texts("scenes")) {
+    spec.scenes.push_back(scene.starts_with("scene:") ? scene : beside(path, scene));
   }
   if (spec.scenes.empty())
     throw ConfigError(fmt::format("{}: no scenes; add scenes = [\"scene:apple\"] (abn list scenes)", file));
@@ -133,27 +164,33 @@ void apply_override(std::vector<StrategyChoice>& strategies, const std::string& 
 
 std::vector<RunSpec> ExperimentSpec::expand() const {
   std::vector<RunSpec> runs;
+  const auto add = [&](const SubjectSpec& subject, std::uint64_t budget, const StrategyChoice& choice) {
+    for (std::uint64_t k = 0; k < seeds; ++k) {
+      RunSpec run;
+      run.label = choice.label;
+      run.strategy = choice.name;
+      run.parameters = choice.parameters;
+      run.subject = subject;
+      run.samples = budget;
+      run.seed = first_seed + k;
+      run.reconstruction = choice.reconstruction.empty() ? reconstruction : choice.reconstruction;
+      run.backend = backend;
+      run.target_error = target_error;
+      runs.push_back(std::move(run));
+    }
+  };
   for (const auto& scene : scenes) {
-    for (const std::uint64_t budget : budgets) {
-      for (const auto& choice : strategies) {
-        for (std::uint64_t k = 0; k < seeds; ++k) {
-          RunSpec run;
-          run.label = choice.label;
-          run.strategy = choice.name;
-          run.parameters = choice.parameters;
-          run.subject = {.scene = scene,
-                         .to = to,
-                         .integrand = integrand,
-                         .truth = truth,
-                         .filter = filter,
-                         .channels = {},
-                         .on_nonfinite = on_nonfinite};
-          run.samples = budget;
-          run.seed = first_seed + k;
-          run.reconstruction = reconstruction;
-          run.backend = backend;
-          runs.push_back(std::move(run));
-        }
+    for (const auto& filter : filters) {
+      const SubjectSpec subject = {.scene = scene,
+                                   .to = to,
+                                   .integrand = integrand,
+                                   .truth = truth,
+                                   .filter = filter,
+                                   .channels = {},
+                                   .on_nonfinite = on_nonfinite,
+                                   .guide = guide};
+      for (const std::uint64_t budget : budgets) {
+        for (const auto& choice : strategies) add(subject, budget, choice);
       }
     }
   }
@@ -166,6 +203,10 @@ void validate(const ExperimentSpec& spec) {
   require_distinct(spec.metrics, "metrics");
   require_distinct(spec.scenes, "scenes");
   require_distinct(spec.budgets, "samples or spp");
+  require_crops(spec);
+  std::vector<std::string> filters;  // spelled out: "gaussian" and "gaussian:sigma=0.5" are the same
+  for (const auto& filter : spec.filters) filters.push_back(make_filter(filter)->words());
+  require_distinct(filters, "filter");
   std::set<std::string> labels;
   for (const auto& choice : spec.strategies) labels.insert(choice.label);
   if (!spec.baseline.empty() && !labels.contains(spec.baseline)) {

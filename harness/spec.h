@@ -7,13 +7,19 @@
 //   to = "200x200"
 //   spp = [6]                            # or samples = [240000]
 //   seeds = 20        first_seed = 1
-//   truth = "exact"   integrand = "nearest"   filter = "box"   reconstruction = "auto"   on_nonfinite = "refuse"
+//   truth = "exact"   integrand = "nearest"   reconstruction = "auto"   on_nonfinite = "refuse"
+//   filter = "box"                       # or a list of such; each is measured against its own truth
 //   metrics = ["rmse", "mae"]            # default: all
 //   images = true     gain = 10          # keep pictures and error maps of the first seed
+//   crops = ["stalk"]  zoom = 8          # named regions (abn list scenes apple): RMSE inside, and sheets with images
+//   sample_pictures = true               # with images: the samples of the first seed, ghost particles in blue
+//   guide = "edges.png"                  # an image file (relative to the spec) or true_variance
+//   target_error = 0.01                  # stop at that estimated RMSE; the budget is the most it may take
 //   baseline = "jitter 3x2"              # label that ratios refer to; default: the first strategy
 //   [[strategy]]
 //   name = "jitter"   label = "jitter 3x2"
 //   set = { key = "value" }
+//   reconstruction = "kriging"           # of this strategy; default: the experiment's
 #pragma once
 
 #include <cstdint>
@@ -29,6 +35,7 @@ struct StrategyChoice {
   std::string name;
   std::string label;
   ParameterWords parameters;
+  std::string reconstruction = {};  // empty = the experiment's
 };
 
 struct ExperimentSpec {
@@ -38,15 +45,21 @@ struct ExperimentSpec {
   std::vector<std::uint64_t> budgets;  // samples, in the order given
   std::uint64_t seeds = 1;
   std::uint64_t first_seed = 1;
-  std::string truth = "exact", integrand = "nearest", filter = "box", reconstruction = "auto", on_nonfinite = "refuse";
+  std::vector<std::string> filters = {"box"};  // in the order given
+  std::string truth = "exact", integrand = "nearest", reconstruction = "auto", on_nonfinite = "refuse";
   std::string backend = "auto";
   std::vector<std::string> metrics;
   bool images = false;
   double gain = 10;
+  std::vector<std::string> crops;  // names of regions
+  std::uint64_t zoom = 8;          // of the crops
+  bool sample_pictures = false;
+  std::string guide;
+  double target_error = 0;  // 0 = spend the budget
   std::string baseline;
   std::vector<StrategyChoice> strategies;
 
-  /// All runs in fixed order: scene, budget, strategy, seed.
+  /// All runs in fixed order: scene, filter, budget, strategy, seed. Runs on the same subject follow each other.
   std::vector<RunSpec> expand() const;
 };
 

@@ -59,6 +59,22 @@ TEST_F(SpecFile, ExpandsInFixedOrder) {
   EXPECT_GE(spec.metrics.size(), 9U);
 }
 
+TEST_F(SpecFile, FiltersAreExpandedWithinAScene) {
+  std::string text = kValid;
+  EXPECT_EQ(load_experiment(write(text)).filters, std::vector<std::string>{"box"});
+  const auto place = text.find("seeds = 3");
+  text.insert(place, "filter = \"lanczos\"\n");
+  EXPECT_EQ(load_experiment(write(text)).expand().at(0).subject.filter, "lanczos");
+  text.replace(place, 18, "filter = [\"box\", \"gaussian:radius=2\"]");
+  const ExperimentSpec spec = load_experiment(write(text));
+  const auto runs = spec.expand();
+  ASSERT_EQ(runs.size(), 2U * 2U * 2U * 2U * 3U);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    EXPECT_EQ(runs[i].subject.filter, i / 12 % 2 == 0 ? "box" : "gaussian:radius=2");
+    EXPECT_EQ(runs[i].subject.scene, i / 24 == 0 ? "scene:ramp" : "scene:zone_plate");
+  }
+}
+
 TEST_F(SpecFile, EveryMistakeNamesItsLineOrKeyAndTheRemedy) {
   const auto replaced = [&](const std::string& from, const std::string& to) {
     std::string text = kValid;
@@ -82,6 +98,11 @@ TEST_F(SpecFile, EveryMistakeNamesItsLineOrKeyAndTheRemedy) {
       {replaced("spp = [1, 4]", "spp = [1, 4]\nmetrics = [\"rmsee\"]"), {"rmsee", "rmse"}},
       {replaced("spp = [1, 4]", "spp = [1, 4]\nbaseline = \"x\""), {"baseline", "jitter"}},
       {replaced("spp = [1, 4]", "spp = [1, 4]\ntruth = \"monte_carlo:1\""), {"monte_carlo:1", ">= 2"}},
+      {replaced("spp = [1, 4]", "spp = [1, 4]\nfilter = \"fox\""), {"fox", "known:", "lanczos"}},
+      {replaced("spp = [1, 4]", "spp = [1, 4]\nfilter = [\"gaussian:sigma=0\"]"), {"sigma", "'0'", "[0.01, 100]"}},
+      {replaced("spp = [1, 4]", "spp = [1, 4]\nfilter = [\"gaussian\", \"gaussian:sigma=0.5\"]"),
+       {"filter", "gaussian", "twice"}},
+      {replaced("spp = [1, 4]", "spp = [1, 4]\nfilter = []"), {"filter", "list"}},
       {replaced("spp = [1, 4]", "spp = [1, 4]\nintegrand = \"cubic\""), {"cubic", "bilinear"}},
       {replaced("label = \"plain Halton\"", "label = \"jitter\""), {"two strategies", "jitter"}},
       {replaced("name = \"small\"", "name = \"a/b\""), {"name", "/"}},
@@ -155,6 +176,32 @@ TEST(RunKey, DependsOnEverythingThatChangesTheResultAndOnNothingElse) {
   EXPECT_NE(changed([](RunSpec& s) { s.subject.truth = "monte_carlo:10"; }), key);
   EXPECT_NE(changed([](RunSpec& s) { s.subject.to = {199, 200}; }), key);
   EXPECT_NE(changed([](RunSpec& s) { s.subject.integrand = "bilinear"; }), key);
+}
+
+TEST_F(SpecFile, CloseLooksAndTargetsReachTheRuns) {
+  std::string text = kValid;
+  text.replace(text.find("seeds"), 0,
+               "images = true\nsample_pictures = true\ncrops = [\"centre\"]\nzoom = 5\nguide = \"edges.png\"\n");
+  const ExperimentSpec spec = load_experiment(write(text));
+  EXPECT_EQ(spec.crops, std::vector<std::string>{"centre"});
+  EXPECT_EQ(spec.zoom, 5U);
+  EXPECT_TRUE(spec.sample_pictures);
+  EXPECT_EQ(spec.expand().front().subject.guide, (folder_.path() / "edges.png").string());
+  text.replace(text.find("edges.png"), 9, "true_variance");
+  EXPECT_EQ(load_experiment(write(text)).expand().front().subject.guide, "true_variance");
+}
+
+TEST_F(SpecFile, CropsAreRegionsOfItsScenes) {
+  const auto with = [&](const std::string& line) {
+    std::string text = kValid;
+    return refusal(text.replace(text.find("seeds"), 0, line + "\n"));
+  };
+  EXPECT_EQ(with("crops = \"fine_rings\""), "");
+  EXPECT_NE(with("crops = \"stalk\"").find("known: centre fine_rings"), std::string::npos) << with("crops = \"stalk\"");
+  EXPECT_NE(with("crops = [\"centre\", \"centre\"]").find("lists centre twice"), std::string::npos);
+  EXPECT_NE(with("zoom = 101").find("'zoom' is 101"), std::string::npos);
+  EXPECT_NE(with("sample_pictures = true").find("add images = true"), std::string::npos);
+  EXPECT_NE(with("target_error = 0.1").find("--target-error with jitter"), std::string::npos);
 }
 
 }  // namespace

@@ -49,5 +49,43 @@ TEST(Summary, OneSeedOrAnUndefinedErrorGivesNoInterval) {
   EXPECT_NE(summary_table(rows, "a").find("–"), std::string::npos);
 }
 
+TEST(Summary, ComparesInsideEveryRegion) {
+  std::vector<Json> rows;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    rows.push_back(row("a", seed, 0.1));
+    rows.back()["regions"] = {{"stalk", 0.2}, {"far", 0.1}};
+    rows.push_back(row("b", seed, 0.1));
+    rows.back()["regions"] = {{"stalk", 0.1}, {"far", 0.4}};
+  }
+  const std::string table = summary_table(rows, "a");
+  EXPECT_NE(table.find("| stalk  | b        | 0.10000 ± 0.00000 "), std::string::npos) << table;
+  EXPECT_NE(table.find("| 0.500 [0.500, 0.500] better "), std::string::npos) << table;
+  EXPECT_NE(table.find("| 4.000 [4.000, 4.000] worse "), std::string::npos) << table;
+  EXPECT_EQ(summary_table({row("a", 1, 0.1)}, "a").find("region"), std::string::npos);
+}
+
+TEST(Summary, RunsThatStopEarlyStandInTheTableOfTheirBudget) {
+  std::vector<Json> rows = {row("a", 1, 0.1), row("a", 2, 0.1)};
+  for (Json& row : rows) row["budget"] = 400;
+  rows[0]["samples"] = 100;
+  rows[0]["spp"] = 1;
+  rows[1]["samples"] = 300;
+  rows[1]["spp"] = 3;
+  rows[1]["calibration"] = {{"rmse_ratio", 0.9}};
+  const std::string table = summary_table(rows, "a");
+  EXPECT_EQ(table.find("samples:"), table.rfind("samples:")) << table;
+  EXPECT_NE(table.find("400 samples:"), std::string::npos);
+  EXPECT_NE(table.find("| 2.00 |            0.900 |"), std::string::npos) << table;
+}
+
+TEST(Summary, FiltersHaveTheirOwnTables) {
+  std::vector<Json> rows = {row("a", 1, 0.1), row("a", 1, 0.2)};
+  rows[0]["filter"] = "box";
+  rows[1]["filter"] = "gaussian";
+  const std::string table = summary_table(rows, "a");
+  EXPECT_NE(table.find("filter box, 100 samples"), std::string::npos) << table;
+  EXPECT_NE(table.find("filter gaussian, 100 samples"), std::string::npos) << table;
+}
+
 }  // namespace
 }  // namespace abn::harness

@@ -37,6 +37,7 @@ StrategyChoice read_strategy(const toml::table& table, const std::string& file) 
     for (const auto& [key, node] : *set->as_table())
       choice.parameters[std::string(key.str())] = word_of(reader, std::string(key.str()), node);
   }
+  choice.reconstruction = reader.text("reconstruction", "");
   reader.refuse_unknown("[[strategy]]");
   if (choice.name.empty()) {
     throw ConfigError(fmt::format("{}:{}: [[strategy]] without a name; add name = \"jitter\" (abn list strategies)",

@@ -87,7 +87,8 @@ Analysis analyze_sets(const GlobalOptions& global, const AnalyzeOptions& options
                  .count = options.count > 0 ? options.count : 4096,
                  .seed = options.seed,
                  .backend = global.backend,
-                 .density = source.density};
+                 .density = source.density,
+                 .cache = !global.no_cache};
   ParameterWords words = task.parameters;
   const Strategy& strategy = find_strategy(task.strategy, words);
   std::uint64_t sets = options.sets > 0 ? options.sets : 10;

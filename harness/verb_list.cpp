@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "harness/data_path.h"
-#include "harness/filter.h"
 #include "harness/metrics.h"
 #include "harness/point_metrics.h"
 #include "harness/reconstruction.h"
@@ -14,6 +13,7 @@
 #include "harness/scenes.h"
 #include "harness/verbs.h"
 #include "sampling/error.h"
+#include "sampling/pixel_filter.h"
 #include "sampling/strategy.h"
 
 namespace abn::harness {
@@ -87,6 +87,14 @@ Json plain_rows(const Table& table) {
   return rows;
 }
 
+Json filter_rows() {
+  Json rows = Json::array();
+  for (const auto& row : filters()) {
+    rows.push_back({{"name", row.name}, {"summary", row.summary}, {"defaults", row.parameters}});
+  }
+  return rows;
+}
+
 Json metric_rows() {
   Json rows = Json::array();
   for (const auto& metric : metrics()) {
@@ -110,12 +118,9 @@ Json point_metric_rows() {
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> table = {
-      {"strategies", strategy_rows},
-      {"scenes", scene_rows, add_regions},
-      {"filters", [] { return plain_rows(filters()); }},
-      {"reconstructions", [] { return plain_rows(reconstructions()); }},
-      {"metrics", metric_rows},
-      {"point_metrics", point_metric_rows},
+      {"strategies", strategy_rows}, {"scenes", scene_rows, add_regions},
+      {"filters", filter_rows},      {"reconstructions", [] { return plain_rows(reconstructions()); }},
+      {"metrics", metric_rows},      {"point_metrics", point_metric_rows},
   };
   return table;
 }

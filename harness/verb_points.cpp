@@ -33,7 +33,8 @@ int points(const GlobalOptions& global, const PointsOptions& options) {
                  .parameters = parse_assignments(options.set),
                  .count = options.count,
                  .seed = options.seed,
-                 .backend = global.backend};
+                 .backend = global.backend,
+                 .cache = !global.no_cache};
   const PointFormat format = options.format.empty() ? format_for(options.output) : parse_point_format(options.format);
   // All that can be wrong shows before the work: a wrong name must not cost minutes.
   require_points(task);

@@ -37,6 +37,7 @@ int run_spec(const GlobalOptions& global, const RunOptions& options, Spec spec) 
   experiment.overwrite = options.overwrite;
   experiment.quiet = global.quiet;
   experiment.json = global.json;
+  experiment.cache = !global.no_cache;
   parse_shard(options.shard, experiment);
 
   if (options.dry_run) {

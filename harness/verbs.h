@@ -20,11 +20,14 @@ struct GlobalOptions {
 
 struct DownscaleOptions {
   std::string image, to = "200x200", strategy, spp, filter = "box", reconstruction = "auto", truth = "exact",
-                     integrand = "nearest", channels, on_nonfinite = "refuse", output, error_map, points;
+                     integrand = "nearest", channels, on_nonfinite = "refuse", guide;
   std::uint64_t samples = 0;  // 0 = not given
   std::uint64_t seed = 1;
   std::vector<std::string> set;
+  double target_error = 0;  // 0 = not given
   double gain = 10;
+  // Files to write; empty = none.
+  std::string output, error_map, estimated_error, reliability, points, points_picture, points_region;
 };
 
 struct RunOptions {
@@ -87,8 +90,8 @@ std::string version_text();
 /// "KEY=VALUE" words as parameters. Throws ConfigError.
 std::map<std::string, std::string> parse_assignments(const std::vector<std::string>& words);
 
-/// The budget from --spp or --samples on a plane of `area` pixels; throws ConfigError unless exactly one was given
-/// (neither = 6 spp) and the product is whole.
-std::uint64_t parse_budget(const std::string& spp, std::uint64_t samples, std::uint64_t area);
+/// The budget from --spp or --samples on a plane of `area` pixels, `default_spp` per pixel if neither was given; throws
+/// ConfigError unless the product is whole.
+std::uint64_t parse_budget(const std::string& spp, std::uint64_t samples, std::uint64_t area, double default_spp = 6);
 
 }  // namespace abn::harness

@@ -7,9 +7,11 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sampling/grid.h"
+#include "sampling/pixel_filter.h"
 #include "sampling/sph/solver.h"
 #include "sampling/vec.h"
 
@@ -24,6 +26,13 @@ struct SamplingTask {
   /// Relative density wanted over the plane, cell by cell (any resolution), >= 0; null = uniform. Only strategies whose
   /// StrategyInfo says `density` look at it.
   std::shared_ptr<const Grid<float>> density = nullptr;
+  /// What the filter importance strategies draw their samples from; null = the box, the pixel itself.
+  std::shared_ptr<const PixelFilter> filter = nullptr;
+  /// Where it matters, by the user's guide image (albedo, edges): values >= 0 over the plane; null = none is given.
+  std::shared_ptr<const Grid<float>> guide = nullptr;
+  bool high_dynamic_range = false;  // values may be far above 1
+  bool small_steps = false;         // somebody watches the error: an adaptive strategy spends the budget in more passes
+  bool cache = true;                // stages that depend on no value may come from the disk cache
 };
 
 /// A view of samples, valid until the sampler's next call.
@@ -63,7 +72,8 @@ struct PixelStats {
 /// What a strategy may look at before it answers: nothing else couples the integrand back to the samples.
 struct Feedback {
   const Grid<PixelStats>& pixels;           // all batches so far
-  std::span<const float> last_values = {};  // luminance of every sample of the last batch, in its order
+  std::span<const float> last_values = {};  // of the last batch, in its order [batch size * channels]
+  std::uint32_t channels = 1;               // of last_values: 1, or 3 of linear light
 };
 
 /// A number or a note about how a run went: a column of the result row, and a warning line if it is one.
@@ -84,6 +94,10 @@ class Sampler {
   /// Particles outside the plane [px] that hold the samples in it, for pictures (thesis fig. 4.1); valid until the next
   /// call.
   virtual std::span<const Vec2f> ghosts() const { return {}; }
+  /// The reconstruction to use where the parameters ask for another one than StrategyInfo says; empty = that one.
+  virtual std::string_view reconstruction() const { return {}; }
+  /// Whether a stage came from the disk cache.
+  virtual bool cached() const { return false; }
 };
 
 }  // namespace abn

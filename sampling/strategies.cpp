@@ -1,9 +1,17 @@
 // THE TABLE: one row per strategy, in the order of `abn list`, and the look-up by name.
 #include <algorithm>
 
+#include "sampling/adaptive/adaptive_jitter.h"
+#include "sampling/adaptive/sph_adaptive.h"
+#include "sampling/adaptive/sph_adaptive_thesis.h"
 #include "sampling/ccvt.h"
 #include "sampling/cmj.h"
 #include "sampling/dart.h"
+#include "sampling/fis/fis_inversion.h"
+#include "sampling/fis/fis_jitter.h"
+#include "sampling/fis/fis_metropolis.h"
+#include "sampling/fis/fis_rejection.h"
+#include "sampling/fis/fis_sph.h"
 #include "sampling/from_command.h"
 #include "sampling/from_file.h"
 #include "sampling/gbn.h"
@@ -33,11 +41,36 @@ void require_task(std::string_view strategy, const SamplingTask& task) {
 
 const std::vector<Strategy>& strategies() {
   static const std::vector<Strategy> table = {
-      row<Random>(),      row<RandomPixel>(), row<Regular>(), row<Jitter>(),     row<JitterPlane>(),
-      row<NRooks>(),      row<MultiJitter>(), row<Cmj>(),     row<Hammersley>(), row<Halton>(),
-      row<Sobol>(),       row<SobolOwen>(),   row<ZeroTwo>(), row<Pmj02>(),      row<Dart>(),
-      row<PoissonDisk>(), row<Lloyd>(),       row<Ccvt>(),    row<Gbn>(),        row<SphBlueNoise>(),
-      row<FromFile>(),    row<FromCommand>(),
+      row<Random>(),
+      row<RandomPixel>(),
+      row<Regular>(),
+      row<Jitter>(),
+      row<JitterPlane>(),
+      row<NRooks>(),
+      row<MultiJitter>(),
+      row<Cmj>(),
+      row<Hammersley>(),
+      row<Halton>(),
+      row<Sobol>(),
+      row<SobolOwen>(),
+      row<ZeroTwo>(),
+      row<Pmj02>(),
+      row<Dart>(),
+      row<PoissonDisk>(),
+      row<Lloyd>(),
+      row<Ccvt>(),
+      row<Gbn>(),
+      row<SphBlueNoise>(),
+      row<SphAdaptive>(),
+      row<SphAdaptiveThesis>(),
+      row<AdaptiveJitter>(),
+      row<FisJitter>(),
+      row<FisInversion>(),
+      row<FisRejection>(),
+      row<FisMetropolis>(),
+      row<FisSph>(),
+      row<FromFile>(),
+      row<FromCommand>(),
   };
   return table;
 }

@@ -23,8 +23,10 @@ struct StrategyInfo {
   std::vector<std::string> aliases = {};
   bool adaptive = false;                // reads its Feedback
   std::string reconstruction = "mean";  // what `--reconstruction auto` means for it
+  std::string reconstruction_hdr = {};  // likewise where values may be far above 1; empty = the same
   bool random = true;                   // another seed gives other samples
   bool density = false;                 // places its samples by SamplingTask::density
+  bool filter = false;                  // draws its samples from SamplingTask::filter, so that their mean is filtered
 };
 
 /// A row of the table.

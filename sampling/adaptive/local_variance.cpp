@@ -1,0 +1,111 @@
+#include "sampling/adaptive/local_variance.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "sampling/adaptive/nearest_samples.h"
+
+namespace abn {
+namespace {
+
+// Far enough below the largest float that sums over a window stay finite.
+constexpr double largest_variance = 1e36;
+
+/// Fewer samples than this per cell cost empty cells, more cost distances.
+constexpr double samples_per_cell = 2;
+
+/// Of the samples found near one place, the mean over channels.
+float variance_of(const NearestSamples::Search& search, int lane, std::span<const float> value,
+                  std::uint32_t channels) {
+  const int count = search.count();
+  double sum = 0;
+  for (std::uint32_t channel = 0; channel < channels; ++channel) {
+    std::array<double, NearestSamples::most_neighbours> v;
+    double mean = 0;
+    for (int k = 0; k < count; ++k) {
+      v[static_cast<std::size_t>(k)] = double{value[std::size_t{search.index(lane, k)} * channels + channel]};
+      mean += v[static_cast<std::size_t>(k)];
+    }
+    mean /= count;
+    for (int k = 0; k < count; ++k) {
+      const double deviation = v[static_cast<std::size_t>(k)] - mean;
+      sum += deviation * deviation;
+    }
+  }
+  return static_cast<float>(std::min(sum / ((count - 1.0) * channels), largest_variance));
+}
+
+/// One row of the raster, smoothed along itself.
+void blur_row(const float* row, std::size_t width, float* out) {
+  for (std::size_t x = 1; x + 1 < width; ++x) out[x] = (0.25F * row[x - 1] + 0.25F * row[x + 1]) + 0.5F * row[x];
+  const std::size_t last = width - 1;
+  out[0] = (0.25F * row[0] + 0.25F * row[std::min<std::size_t>(1, last)]) + 0.5F * row[0];
+  out[last] = (0.25F * row[last - std::min<std::size_t>(1, last)] + 0.25F * row[last]) + 0.5F * row[last];
+}
+
+}  // namespace
+
+Grid<float> local_variance(std::span<const Vec2f> position, std::span<const float> value, std::uint32_t channels,
+                           Extent plane, Extent map, int neighbours) {
+  assert(channels >= 1 && value.size() == position.size() * channels);
+  assert(std::all_of(value.begin(), value.end(), [](float v) { return std::isfinite(v); }));
+  assert(neighbours >= 1 && neighbours <= NearestSamples::most_neighbours);
+  Grid<float> variance(map);
+  if (position.size() < 2 || map.area() == 0) return variance;
+  const NearestSamples samples(position, plane, samples_per_cell);
+  const double cell_width = static_cast<double>(plane.width) / map.width;
+  const double cell_height = static_cast<double>(plane.height) / map.height;
+  const auto rows = static_cast<std::int64_t>(map.height);
+#pragma omp parallel for schedule(dynamic, 8)
+  for (std::int64_t y = 0; y < rows; ++y) {
+    NearestSamples::Search search;
+    const auto row = static_cast<std::uint32_t>(y);
+    search.y.fill(static_cast<float>((row + 0.5) * cell_height));
+    for (std::uint32_t x = 0; x < map.width; x += NearestSamples::lanes) {
+      for (std::uint32_t lane = 0; lane < NearestSamples::lanes; ++lane) {
+        search.x[lane] = static_cast<float>((std::min(x + lane, map.width - 1) + 0.5) * cell_width);
+      }
+      samples.find(neighbours, search);
+      if (search.count() < 2) continue;
+      const std::uint32_t used = std::min<std::uint32_t>(NearestSamples::lanes, map.width - x);
+      for (std::uint32_t lane = 0; lane < used; ++lane) {
+        variance.at(x + lane, row) = variance_of(search, static_cast<int>(lane), value, channels);
+      }
+    }
+  }
+  return variance;
+}
+
+void blur(Grid<float>& map, int passes) {
+  const std::size_t width = map.size().width;
+  const std::size_t height = map.size().height;
+  if (width == 0 || height == 0) return;
+  std::vector<float> along(width * height);
+  float* cells = map.cells().data();
+  const auto rows = static_cast<std::int64_t>(height);
+  for (int pass = 0; pass < passes; ++pass) {
+#pragma omp parallel
+    {
+#pragma omp for schedule(static)
+      for (std::int64_t y = 0; y < rows; ++y) {
+        const std::size_t at = static_cast<std::size_t>(y) * width;
+        blur_row(cells + at, width, along.data() + at);
+      }
+#pragma omp for schedule(static)
+      for (std::int64_t y = 0; y < rows; ++y) {
+        const auto row = static_cast<std::size_t>(y);
+        const float* above = along.data() + (row == 0 ? 0 : row - 1) * width;
+        const float* here = along.data() + row * width;
+        const float* below = along.data() + std::min(row + 1, height - 1) * width;
+        float* out = cells + row * width;
+        for (std::size_t x = 0; x < width; ++x) out[x] = (0.25F * above[x] + 0.25F * below[x]) + 0.5F * here[x];
+      }
+    }
+  }
+}
+
+}  // namespace abn

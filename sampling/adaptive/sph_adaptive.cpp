@@ -1,0 +1,293 @@
+#include "sampling/adaptive/sph_adaptive.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "sampling/adaptive/allocation.h"
+#include "sampling/adaptive/drivers.h"
+#include "sampling/adaptive/gabriel.h"
+#include "sampling/adaptive/local_variance.h"
+#include "sampling/adaptive/pixel_variance.h"
+#include "sampling/adaptive/ranked_plane.h"
+#include "sampling/adaptive/straight_edges.h"
+#include "sampling/emit_by_pixel.h"
+#include "sampling/error.h"
+#include "sampling/rng.h"
+#include "sampling/sph/solver.h"
+
+namespace abn {
+namespace {
+
+constexpr double forces_alone = 1e6;          // from this delta on pressures are equal and no density is summed
+constexpr std::uint64_t fewest_samples = 64;  // with fewer there is no map to speak of
+
+Extent map_size(Extent plane, double cells_per_pixel) {
+  const auto cells = [&](std::uint32_t side) {
+    return static_cast<std::uint32_t>(std::clamp(std::round(side * cells_per_pixel), 1.0, 16384.0));
+  };
+  return {cells(plane.width), cells(plane.height)};
+}
+
+}  // namespace
+
+const StrategyInfo SphAdaptive::info = {
+    .name = "sph_adaptive",
+    .family = "adaptive",
+    .summary = "Blue noise that adds its samples in passes where the image varies; what is evaluated stays in place.",
+    .cite = "Russell 2018 (thesis), 4.1, with the changes its header names; Neyman 1934; Schechter and Bridson 2012",
+    .advice =
+        "The default choice where an evaluation costs more than a microsecond and the image is not noise all over.",
+    .adaptive = true,
+    .reconstruction = "edge",
+};
+
+std::vector<Field<SphAdaptive::Params>> SphAdaptive::fields() {
+  using P = Params;
+  const auto among = [](std::string name, std::string P::*member, std::string help, std::vector<std::string> choices) {
+    Field<P> field{std::move(name), member, std::move(help)};
+    field.choices = std::move(choices);
+    return field;
+  };
+  return {
+      among("driver", &P::driver,
+            "what density follows: variance of the samples, their gradient, their luminance (s = "
+            "1/sqrt(I), eq. 2.22), or the guide image",
+            {"variance", "gradient", "luminance", "guide"}),
+      {"exponent", &P::exponent, "density grows with driver^exponent; 0.5 is best for independent samples", 0.05, 2.0},
+      {"base_share", &P::base_share, "share of the budget that is spent uniformly first", 0.05, 0.95},
+      {"least_base_spp", &P::least_base_spp, "the same as samples per pixel, at least", 0.0, 16.0},
+      {"passes", &P::passes, "passes that add samples by density", 1, 64},
+      {"most_ratio", &P::most_ratio, "largest density, relative to the mean", 1.0, 1000.0},
+      {"floor", &P::floor, "added to the driver, relative to its mean: what is spent where nothing was seen", 1e-6,
+       10.0},
+      {"gate", &P::gate, "above this (mean sqrt V)^2 / mean V the rest is spent uniformly; 1 = never", 0.0, 1.0},
+      {"neighbours", &P::neighbours, "samples that a local variance is taken of", 3, 32},
+      {"map_cells", &P::map_cells, "cells of the maps per pixel side", 0.1, 8.0},
+      {"blur", &P::blur, "1-2-1 passes over the driver", 0, 16},
+      {"iterations", &P::iterations, "relaxation steps of a pass", 0, 1000},
+      {"delta", &P::delta, "density difference of the relaxation, as in sph_blue_noise; 1e6 = forces alone", 0.01, 1e6},
+      {"refine_share", &P::refine_share, "share of the budget for midpoints of neighbours that differ", 0.0, 0.9},
+      {"refine_passes", &P::refine_passes, "passes of refinement", 1, 16},
+      {"refine_edge_share", &P::refine_edge_share, "refine = auto: share of the error at straight edges from which on",
+       0.0, 1.0},
+      {"refine_activity", &P::refine_activity,
+       "refinement: how much a neighbourhood that differs counts for all its pairs", 0.0, 1.0},
+      among("refine", &P::refine, "whether to refine: where straight edges dominate, always, never",
+            {"auto", "always", "never"}),
+      among("boundary", &P::boundary, "of the passes: a ring of ghost particles, or opposite sides joined",
+            {"ghost", "periodic"}),
+      among("tone", &P::tone,
+            "allocate by the variance of x / (1 + x) (what is displayed), of x (linear light), or auto: "
+            "the former for HDR",
+            {"auto", "displayed", "linear"}),
+      {"unbiased", &P::unbiased, "the samples that decided where to look are discarded"},
+  };
+}
+
+SphAdaptive::SphAdaptive(const SamplingTask& task, const Params& params) : task_(task), params_(params) {
+  if (task.budget < 1 || task.budget > std::numeric_limits<std::uint32_t>::max()) {
+    throw ConfigError("sph_adaptive: budget " + std::to_string(task.budget) +
+                      " is not possible; ask for 1 to 4294967295 samples");
+  }
+  if (params.driver == "guide" && !task.guide) {
+    throw ConfigError("sph_adaptive: driver = guide, and there is no guide; give --guide IMAGE");
+  }
+  if (params.unbiased && task.budget < 2 * task.plane.area()) {
+    throw ConfigError(
+        "sph_adaptive: unbiased = true needs a discarded sample and one to keep in every pixel; ask for at "
+        "least " +
+        std::to_string(2 * task.plane.area()) + " samples, not " + std::to_string(task.budget));
+  }
+  tone_mapped_ = params.tone == "displayed" || (params.tone == "auto" && task.high_dynamic_range);
+}
+
+void SphAdaptive::remember(const Feedback& seen) {
+  if (value_.size() / channels_ == position_.size()) return;
+  channels_ = seen.channels;
+  assert(seen.last_values.size() == batch_.size() * channels_);
+  for (const float value : seen.last_values) {
+    const float x = std::isfinite(value) ? value : 0.0F;
+    // x / (1 + x) for light; what is negative has no display value.
+    value_.push_back(tone_mapped_ ? std::max(x, 0.0F) / (1 + std::max(x, 0.0F)) : std::clamp(x, -1e15F, 1e15F));
+  }
+}
+
+SampleBatch SphAdaptive::next(const Feedback& seen) {
+  if (stage_ == Stage::done) return {};
+  if (!position_.empty()) remember(seen);
+  batch_ = sorted_by_pixel(position_.empty() ? first_samples() : next_samples(), task_.plane);
+  position_.insert(position_.end(), batch_.begin(), batch_.end());
+  if (position_.size() >= task_.budget) stage_ = Stage::done;
+  if (!params_.unbiased) return {.position = batch_};
+  // The pilot decided where to look and counts for nothing else.
+  weight_.assign(batch_.size(), position_.size() == batch_.size() && stage_ != Stage::done ? 0.0F : 1.0F);
+  return {.position = batch_, .weight = weight_};
+}
+
+std::vector<Vec2f> SphAdaptive::first_samples() {
+  const std::uint64_t budget = task_.budget;
+  if (task_.small_steps) {
+    // Whoever watches the error may stop after any pass: a plane of two samples per pixel, then passes that add a third
+    // of what is there.
+    const std::uint64_t first = std::min(budget, 2 * task_.plane.area());
+    RankedPlane plane = ranked_plane(task_.plane, first, task_.seed, {}, task_.cache);
+    cached_ = plane.cached;
+    for (std::uint64_t there = first; there < budget;) {
+      there = std::min(budget, there + std::max(there / 3, fewest_samples));
+      targets_.push_back(there);
+    }
+    refined_from_ = budget;
+    density_ = Grid<float>(map_size(task_.plane, params_.map_cells),
+                           static_cast<float>(static_cast<double>(first) / static_cast<double>(task_.plane.area())));
+    stage_ = Stage::adapt;
+    return std::move(plane.position);
+  }
+  RankedPlane plane = ranked_plane(task_.plane, budget, task_.seed, {}, task_.cache);
+  cached_ = plane.cached;
+  const double spp = static_cast<double>(budget) / static_cast<double>(task_.plane.area());
+  const double share = std::max(params_.base_share, params_.least_base_spp / spp);
+  const auto base = static_cast<std::uint64_t>(share * static_cast<double>(budget));
+  if (!params_.unbiased && (share >= 0.75 || budget < fewest_samples)) {
+    gated_ = true;
+    return std::move(plane.position);
+  }
+  density_ = Grid<float>(map_size(task_.plane, params_.map_cells),
+                         static_cast<float>(static_cast<double>(base) / static_cast<double>(task_.plane.area())));
+  const double refined = params_.refine == "never" ? 0 : params_.refine_share;
+  refined_from_ = budget - static_cast<std::uint64_t>(refined * static_cast<double>(budget));
+  for (int pass = 1; pass <= params_.passes; ++pass) {
+    targets_.push_back(base +
+                       static_cast<std::uint64_t>(static_cast<double>(refined_from_ - base) * pass / params_.passes));
+  }
+  rest_.assign(plane.position.begin() + static_cast<std::ptrdiff_t>(base), plane.position.end());
+  plane.position.resize(base);
+  stage_ = Stage::adapt;
+  return std::move(plane.position);
+}
+
+Grid<float> SphAdaptive::driver_map() const {
+  const Extent size = density_.size();
+  if (params_.driver == "guide") return resampled(*task_.guide, size);
+  Grid<float> map;
+  if (params_.driver == "variance") {
+    map = local_variance(position_, value_, channels_, task_.plane, size, params_.neighbours);
+  } else {
+    // A bell of about the neighbours' number of samples.
+    const double spp = static_cast<double>(position_.size()) / static_cast<double>(size.area());
+    const auto reach = static_cast<int>(std::clamp(std::sqrt(params_.neighbours / (6.3 * spp)), 1.0, 16.0));
+    map = local_mean(position_, value_, channels_, task_.plane, size, reach);
+    for (float& value : map.cells()) value = std::max(value, 0.0F);
+    if (params_.driver == "gradient") map = squared_gradient(map);
+  }
+  blur(map, params_.blur);
+  return map;
+}
+
+std::vector<Vec2f> SphAdaptive::next_samples() {
+  if (params_.unbiased) {
+    const Grid<float> variance = driver_map();
+    const double spp = static_cast<double>(task_.budget) / static_cast<double>(task_.plane.area());
+    const std::uint64_t count = task_.budget - position_.size();
+    const Grid<float> nothing(variance.size(), 0.0F);
+    const Grid<float> wanted =
+        allocate(weights_of(variance), nothing, static_cast<double>(count), params_.most_ratio * spp, task_.plane);
+    return draw_per_pixel(wanted, count, task_.plane, task_.seed);
+  }
+  if (stage_ == Stage::adapt) {
+    if (pass_ + 1 == targets_.size() && params_.refine == "auto" && !task_.small_steps) {
+      // The last pass: what would be refined goes to it unless straight edges dominate.
+      if (!straight_edges_dominate()) targets_.back() = task_.budget;
+    }
+    if (pass_ == 0) {
+      uniform_share_ = uniform_share(driver_map());
+      gated_ = uniform_share_ > params_.gate;
+      if (gated_ && !task_.small_steps) return std::move(rest_);
+    }
+    std::vector<Vec2f> samples = add_by_density(targets_[pass_]);
+    if (++pass_ == targets_.size()) stage_ = Stage::refine;
+    return samples;
+  }
+  const std::uint64_t left = task_.budget - position_.size();
+  const auto done = static_cast<double>(position_.size() - refined_from_);
+  const double step = static_cast<double>(task_.budget - refined_from_) / params_.refine_passes;
+  const auto passes_left = std::max(1.0, params_.refine_passes - std::round(done / step));
+  return refine(static_cast<std::uint64_t>(std::ceil(static_cast<double>(left) / passes_left)));
+}
+
+Grid<float> SphAdaptive::weights_of(const Grid<float>& variance) const {
+  double mean = 0;
+  for (const float v : variance.cells()) mean += double{v};
+  mean /= static_cast<double>(variance.cells().size());
+  Grid<float> weight(variance.size(), 1.0F);
+  if (gated_) return weight;
+  for (std::size_t i = 0; i < weight.cells().size(); ++i) {
+    weight[i] = static_cast<float>(std::pow(double{variance[i]} + params_.floor * mean, params_.exponent));
+  }
+  return weight;
+}
+
+std::vector<Vec2f> SphAdaptive::add_by_density(std::uint64_t target) {
+  const Grid<float> variance = driver_map();
+  const double spp =
+      static_cast<double>(task_.small_steps ? target : task_.budget) / static_cast<double>(task_.plane.area());
+  Grid<float> wanted =
+      allocate(weights_of(variance), density_, static_cast<double>(target), params_.most_ratio * spp, task_.plane);
+  const std::uint64_t count = target - position_.size();
+  std::vector<Vec2f> all = position_;
+  const std::vector<Vec2f> fresh =
+      draw_deficit(wanted, density_, count, task_.plane, task_.seed + pass_, stream_id("sph_adaptive"));
+  all.insert(all.end(), fresh.begin(), fresh.end());
+
+  Grid<float> size = wanted;
+  blur(size, 1);
+  for (float& n : size.cells()) n = 1 / std::sqrt(std::max(n, 0.15F * static_cast<float>(spp)));
+  density_ = std::move(wanted);
+  sph::Setup setup;
+  setup.plane = task_.plane;
+  setup.positions = all;
+  setup.boundary = params_.boundary == "ghost" ? sph::Boundary::ghost : sph::Boundary::periodic;
+  setup.stiffness_ratio =
+      params_.delta < forces_alone ? static_cast<float>(params_.delta) : std::numeric_limits<float>::infinity();
+  setup.size_field = &size;
+  setup.background = false;  // the new particles are drawn from the density and have no time to drift from it
+  setup.ghost_steps = 15;
+  setup.seed = task_.seed;
+  const auto solver = task_.solver ? task_.solver(setup) : sph::make_cpu_solver(setup);
+  backend_ = solver->backend();
+  std::vector<std::uint32_t> frozen(position_.size());
+  for (std::uint32_t i = 0; i < frozen.size(); ++i) frozen[i] = i;
+  solver->freeze(frozen);
+  solver->relax(params_.iterations, false);
+  ++relaxed_passes_;
+  const auto placed = solver->positions();
+  const auto ring = solver->ghosts();
+  ghosts_.assign(ring.begin(), ring.end());
+  return {placed.begin() + static_cast<std::ptrdiff_t>(position_.size()), placed.end()};
+}
+
+bool SphAdaptive::straight_edges_dominate() {
+  edge_share_ = straight_edge_share(position_, value_, channels_, task_.plane);
+  return edge_share_ >= params_.refine_edge_share;
+}
+
+std::vector<Vec2f> SphAdaptive::refine(std::uint64_t count) {
+  GabrielOptions options;
+  options.activity = params_.refine_activity;
+  ++refined_passes_;
+  return gabriel_midpoints(position_, value_, channels_, task_.plane, count, task_.seed + position_.size(), options)
+      .position;
+}
+
+std::vector<Diagnostic> SphAdaptive::diagnostics() const {
+  std::vector<Diagnostic> list = {{.name = "uniform_share", .value = uniform_share_},
+                                  {.name = "gated", .value = gated_ ? 1.0 : 0.0},
+                                  {.name = "relaxed_passes", .value = static_cast<double>(relaxed_passes_)},
+                                  {.name = "refined_passes", .value = static_cast<double>(refined_passes_)},
+                                  {.name = "straight_edge_share", .value = edge_share_}};
+  if (!backend_.empty()) list.push_back({.name = "backend", .value = 0, .text = backend_});
+  return list;
+}
+
+}  // namespace abn
