@@ -214,6 +214,16 @@ TEST(Kriging, OneSampleColoursEverything) {
   EXPECT_TRUE(all_finite(developed));
 }
 
+TEST(Kriging, KnowsWhatItDoesNotKnow) {
+  // One sample says nothing of errors; two corners of a wide plane say little of its middle.
+  EXPECT_TRUE(kriging(film_of({9, 9}, 1, {{4.5F, 4.5F}}, [](Vec2f, float* value) { value[0] = 0.5F; }))
+                  .standard_error.cells()
+                  .empty());
+  const Developed far = kriging(film_of({60, 60}, 1, {{0.5F, 0.5F}, {59.5F, 59.5F}},
+                                        [](Vec2f p, float* value) { value[0] = p.x < 30 ? 0.0F : 1.0F; }));
+  EXPECT_NEAR(far.standard_error.at(30, 30), std::sqrt(0.5F), 1e-5F);
+}
+
 TEST(Kriging, NoUsableSampleGivesBlack) {
   const Film film = film_of({5, 4}, 1, {{1.5F, 1.5F}}, [](Vec2f, float* value) { value[0] = 1; }, {0.0F});
   const Developed developed = kriging(film);

@@ -276,7 +276,7 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
   // The samples of a filter importance strategy are distributed as the filter: their plain mean is filtered already.
   const bool shares = !is_box(*subject.filter) && !strategy.info.filter;
   const auto develop = [&](const Film& film) {
-    return shares ? share_samples(film, *subject.filter) : reconstruction.develop(film);
+    return shares ? share_samples(film, *subject.filter, strategy.info.adaptive) : reconstruction.develop(film);
   };
 
   // The one loop: generate -> evaluate -> accumulate -> feed back.

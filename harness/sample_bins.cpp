@@ -29,11 +29,13 @@ SampleBins::SampleBins(const Film& film) : plane_(film.stats().size()), channels
   std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
   x_.resize(begin_.back());
   y_.resize(x_.size());
+  added_.resize(x_.size());
   luminance_.resize(x_.size());
   value_.resize(x_.size() * channels_);
   for (std::size_t i = 0; i < given; ++i) {
     if (pixel[i] == unused) continue;
     const std::size_t to = next[pixel[i]]++;
+    added_[to] = static_cast<std::uint32_t>(i);
     x_[to] = kept.position[i].x;
     y_[to] = kept.position[i].y;
     for (std::size_t c = 0; c < channels_; ++c) value_[to * channels_ + c] = kept.value[i * channels_ + c];

@@ -30,6 +30,8 @@ class SampleBins {
   std::span<const float> luminances() const { return luminance_; }  // of linear light, unless values were mapped
   const float* value(std::size_t i) const { return value_.data() + i * channels_; }  // [channels]
 
+  std::uint32_t added(std::size_t i) const { return added_[i]; }  // the sample's place in Film::kept()
+
   /// The samples of pixel p = y*width+x are [begin(p), end(p)), those of the pixels p..q of a row [begin(p), end(q)).
   std::uint32_t begin(std::size_t pixel) const { return begin_[pixel]; }
   std::uint32_t end(std::size_t pixel) const { return begin_[pixel + 1]; }
@@ -45,6 +47,7 @@ class SampleBins {
   Extent plane_;
   std::uint32_t channels_;
   std::vector<std::uint32_t> begin_;  // [pixels + 1]
+  std::vector<std::uint32_t> added_;
   std::vector<float> x_, y_, luminance_;
   std::vector<float> value_;  // [samples * channels]
 };

@@ -9,6 +9,9 @@
 #include <tuple>
 #include <vector>
 
+#include "harness/density_reconstruction.h"
+#include "harness/sample_bins.h"
+
 namespace abn::harness {
 namespace {
 
@@ -95,12 +98,18 @@ double disc_value(const PixelFilter& filter, const Reach& across, std::size_t i,
 
 }  // namespace
 
-Developed share_samples(const Film& film, const PixelFilter& filter) {
+Developed share_samples(const Film& film, const PixelFilter& filter, bool by_density) {
   const KeptSamples& kept = film.kept();
   assert(kept.position.size() == film.samples());
   const Extent plane = film.sums().size();
   const std::uint32_t channels = film.channels();
   const Rows rows = sort_by_row(kept, plane);
+  std::vector<float> weights = kept.weight;
+  if (by_density) {
+    const SampleBins bins(film);
+    const std::vector<float> density = sample_densities(bins);
+    for (std::size_t i = 0; i < bins.size(); ++i) weights[bins.added(i)] /= density[i];
+  }
   const bool disc = filter.disc();
   const double spp = static_cast<double>(rows.sample.size()) / static_cast<double>(plane.area());
   // The squared error of a border pixel is a bias ~ 1 / stretch^2 and a variance ~ stretch / spp: least at the cube
@@ -125,7 +134,7 @@ Developed share_samples(const Film& film, const PixelFilter& filter) {
     for (std::size_t s = begin; s < end; ++s) {
       const std::size_t sample = rows.sample[s];
       const Vec2f at = kept.position[sample];
-      const double weight = double{kept.weight[sample]};
+      const double weight = double{weights[sample]};
       const float* value = kept.value.data() + sample * channels;
       const Reach down(filter, at.y, top, bottom, plane.height, stretch);
       if (down.count == 0) continue;

@@ -192,6 +192,26 @@ TEST(SampleSharing, SamplesWithoutWeightAreLeftOut) {
   for (const float value : developed.image.texels) EXPECT_EQ(value, 1.0F);
 }
 
+TEST(SampleSharing, ByDensityUndoesACrowd) {
+  // A ramp with nine times as many samples in every pixel's right half: the plain weights lean to the right.
+  const Extent plane{8, 8};
+  const auto filter = make_filter("gaussian:radius=1");
+  Film film(plane, 1, true);
+  std::vector<Vec2f> position;
+  std::vector<float> value;
+  for (std::uint64_t k = 0; k < 64 * 500; ++k) {
+    const Vec2f unit = Rng(3, stream_id("sample_sharing_test"), k).uniform2();
+    const float x = unit.x < 0.1F ? unit.x * 5 : 0.5F + (unit.x - 0.1F) / 1.8F;
+    position.push_back({static_cast<float>(k % 8) + x, static_cast<float>(k / 8 % 8) + unit.y});
+    value.push_back(x);
+  }
+  film.add({.position = position}, value);
+  const double plain = double{share_samples(film, *filter).image.texels[27]};
+  const double by_density = double{share_samples(film, *filter, true).image.texels[27]};
+  EXPECT_GT(plain, 0.62);
+  EXPECT_NEAR(by_density, 0.5, 0.04);
+}
+
 TEST(SampleSharing, WithoutSamplesIsBlackAndEmpty) {
   const Film film({3, 2}, 3, true);
   const Developed developed = share_samples(film, *make_filter("lanczos"));
