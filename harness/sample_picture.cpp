@@ -86,7 +86,7 @@ Picture draw_samples(std::span<const Vec2f> samples, std::span<const Vec2f> ghos
   const double width = region.right - region.left;
   const double height = region.bottom - region.top;
   const double longer = std::max(width, height);
-  const double scale = std::min(std::clamp(1000 / longer, 10.0, 64.0), 4000 / longer);
+  const double scale = std::min(std::clamp(1000 / longer, 10.0, 400.0), 4000 / longer);
   const auto pixels = [&](double length) {
     return std::max(1U, static_cast<std::uint32_t>(std::lround(length * scale)));
   };

@@ -43,18 +43,18 @@ TEST(SamplePicture, ARegionShowsItsPartOnly) {
   std::vector<Vec2f> samples;
   for (int i = 0; i < 40; ++i) samples.push_back({static_cast<float>(i) + 0.5F, 5.5F});
   const Picture picture = draw_samples(samples, {}, plane, {10, 5, 20, 10});
-  EXPECT_EQ(picture.width, 640U);  // 64 px is the widest a pixel gets
-  EXPECT_EQ(picture.height, 320U);
+  EXPECT_EQ(picture.width, 1000U);
+  EXPECT_EQ(picture.height, 500U);
   for (std::uint32_t i = 0; i < 10; ++i) {
-    EXPECT_EQ(colour_at(picture, 64 * i + 32, 32), (Rgb8{255, 255, 255})) << i;
-    EXPECT_EQ(colour_at(picture, 64 * i + 32, 96), (Rgb8{0, 0, 0})) << i;
+    EXPECT_EQ(colour_at(picture, 100 * i + 50, 50), (Rgb8{255, 255, 255})) << i;
+    EXPECT_EQ(colour_at(picture, 100 * i + 50, 150), (Rgb8{0, 0, 0})) << i;
   }
 }
 
 TEST(SamplePicture, AWholePlaneOfAnySizeStaysAPicture) {
   EXPECT_EQ(draw_samples({}, {}, {200, 100}, region_around({200, 100}, {})).width, 2000U);
   EXPECT_EQ(draw_samples({}, {}, {3000, 1500}, region_around({3000, 1500}, {})).width, 4000U);
-  EXPECT_EQ(draw_samples({}, {}, {1, 1}, region_around({1, 1}, {})).width, 64U);
+  EXPECT_EQ(draw_samples({}, {}, {1, 1}, region_around({1, 1}, {})).width, 400U);  // the widest a pixel gets
 }
 
 TEST(SamplePicture, CrowdedSamplesGetSmallDots) {
