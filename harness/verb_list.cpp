@@ -12,6 +12,7 @@
 #include "harness/record.h"
 #include "harness/scenes.h"
 #include "harness/verbs.h"
+#include "sampling/disk_cache.h"
 #include "sampling/error.h"
 #include "sampling/pixel_filter.h"
 #include "sampling/strategy.h"
@@ -212,6 +213,12 @@ int info(const GlobalOptions& global) {
   Json folders = Json::array();
   for (const auto& folder : data_folders()) folders.push_back(folder.string());
   json["data_folders"] = folders;
+  const DiskCache cache(cache_folder());
+  const DiskCache::Status status = cache.status();
+  json["cache"] = {{"folder", cache.folder().string()},
+                   {"writable", status.writable},
+                   {"files", status.files},
+                   {"bytes", status.bytes}};
   if (global.json) {
     fmt::print("{}\n", json.dump());
     return 0;
