@@ -108,7 +108,7 @@ Picture draw_samples(std::span<const Vec2f> samples, std::span<const Vec2f> ghos
   draw_border(picture, {left - 1, top - 1, right - left + 2, bottom - top + 2}, kBorder);
   // Where samples are densest their dots cover .3 of the plane: as blue noise they stay apart.
   const double spp = dense_spp(samples, plane, region);
-  const double radius = std::clamp(scale * std::sqrt(0.3 / (std::numbers::pi * spp)), 0.7, 6.0);
+  const double radius = std::clamp(scale * std::sqrt(0.3 / (std::numbers::pi * spp)), 0.7, 12.0);
   const auto draw = [&](std::span<const Vec2f> dots, Rgb8 colour) {
     std::vector<CanvasPoint> centres;
     centres.reserve(dots.size());
