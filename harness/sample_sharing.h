@@ -18,8 +18,8 @@ namespace abn::harness {
 /// Where negative lobes leave sum w f below a tenth of sum w |f| the quotient would blow noise up: such a pixel, and
 /// one that no sample reaches, is filled by fill_empty() and counted. Precondition: the film kept its samples.
 /// `by_density`: w is divided by the density of the samples around (sample_densities()), without which an adaptive set
-/// would count most where it is densest. Bit-identical for any number of threads. Pharr, Jakob, Humphreys 2016, Physically Based Rendering, 7.8; the border
-/// is ours.
+/// would count most where it is densest. Bit-identical for any number of threads. Pharr, Jakob, Humphreys 2016,
+/// Physically Based Rendering, 7.8; the border is ours.
 Developed share_samples(const Film& film, const PixelFilter& filter, bool by_density = false);
 
 }  // namespace abn::harness

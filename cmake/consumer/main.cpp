@@ -1,4 +1,5 @@
-// An outside program that uses the installed libraries: 96 multi-jittered samples on a 4 x 4 plane, and their distances.
+// An outside program that uses the installed libraries: 96 multi-jittered samples on a 4 x 4 plane, and their
+// distances.
 #include <cstdio>
 #include <vector>
 
