@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "sampling/choice_field.h"
 #include "sampling/density_warp.h"
 #include "sampling/error.h"
 #include "sampling/from_file.h"
@@ -108,16 +109,12 @@ const StrategyInfo SphBlueNoise::info = {
 
 std::vector<Field<SphBlueNoise::Params>> SphBlueNoise::fields() {
   using P = Params;
-  const auto among = [](std::string name, std::string P::*member, std::string help, std::vector<std::string> choices) {
-    Field<P> field{std::move(name), member, std::move(help)};
-    field.choices = std::move(choices);
-    return field;
-  };
   return {
       {"delta", &P::delta, "density difference relative to the mean density: smaller is stiffer", 0.01, 1e6},
-      among("kernel", &P::kernel, "smoothing kernel; poly6_spiky is the thesis'", {"wendland", "poly6_spiky", "cubic"}),
-      among("boundary", &P::boundary, "opposite sides joined, or walls with fixed ghost particles behind them",
-            {"periodic", "ghost"}),
+      choice_field<P>("kernel", &P::kernel, "smoothing kernel; poly6_spiky is the thesis'",
+                      {"wendland", "poly6_spiky", "cubic"}),
+      choice_field<P>("boundary", &P::boundary,
+                      "opposite sides joined, or walls with fixed ghost particles behind them", {"periodic", "ghost"}),
       {"start", &P::start,
        "first positions: coarse_cells (white inside cells of 16), white, sobol_owen, jitter, file:PATH"},
       {"iterations", &P::iterations, "iterations, at most", 0, 1000000},
@@ -127,14 +124,15 @@ std::vector<Field<SphBlueNoise::Params>> SphBlueNoise::fields() {
       {"damping", &P::damping, "share of the velocity that survives an iteration", 0.0, 0.99},
       {"velocity_cap", &P::velocity_cap, "largest move in an iteration [spacings]", 1e-6, 10.0},
       {"tolerance", &P::tolerance, "stop early when the move is below [spacings]; 0 = never stop early", 0.0, 1.0},
-      among("criterion", &P::criterion, "whose move: the mean one, or that of every particle (thesis)",
-            {"mean", "every"}),
+      choice_field<P>("criterion", &P::criterion, "whose move: the mean one, or that of every particle (thesis)",
+                      {"mean", "every"}),
       {"classes", &P::classes, "sets that are blue alone and together, emitted one after the other", 1, 64},
       {"least_density", &P::least_density, "with a density: its floor, relative to its maximum (eq. 2.22)", 1e-6, 1.0},
       {"gradient_limit", &P::gradient_limit, "with a density: largest slope of the local spacing", 0.01, 100.0},
       {"background", &P::background, "with a density: subtract the mean-field force; without it the density is missed"},
-      among("search", &P::search, "thesis_cells looks into 3x3 cells of the smallest support only: fig. 2.3's mistake",
-            {"exact", "thesis_cells"}),
+      choice_field<P>("search", &P::search,
+                      "thesis_cells looks into 3x3 cells of the smallest support only: fig. 2.3's mistake",
+                      {"exact", "thesis_cells"}),
   };
 }
 

@@ -12,6 +12,7 @@
 #include "sampling/adaptive/pixel_variance.h"
 #include "sampling/adaptive/ranked_plane.h"
 #include "sampling/adaptive/straight_edges.h"
+#include "sampling/choice_field.h"
 #include "sampling/emit_by_pixel.h"
 #include "sampling/error.h"
 #include "sampling/rng.h"
@@ -45,16 +46,11 @@ const StrategyInfo SphAdaptive::info = {
 
 std::vector<Field<SphAdaptive::Params>> SphAdaptive::fields() {
   using P = Params;
-  const auto among = [](std::string name, std::string P::*member, std::string help, std::vector<std::string> choices) {
-    Field<P> field{std::move(name), member, std::move(help)};
-    field.choices = std::move(choices);
-    return field;
-  };
   return {
-      among("driver", &P::driver,
-            "what density follows: variance of the samples, their gradient, their luminance (s = "
-            "1/sqrt(I), eq. 2.22), or the guide image",
-            {"variance", "gradient", "luminance", "guide"}),
+      choice_field<P>("driver", &P::driver,
+                      "what density follows: variance of the samples, their gradient, their luminance (s = "
+                      "1/sqrt(I), eq. 2.22), or the guide image",
+                      {"variance", "gradient", "luminance", "guide"}),
       {"exponent", &P::exponent, "density grows with driver^exponent; 0.5 is best for independent samples", 0.05, 2.0},
       {"base_share", &P::base_share, "share of the budget that is spent uniformly first", 0.05, 0.95},
       {"least_base_spp", &P::least_base_spp, "the same as samples per pixel, at least", 0.0, 16.0},
@@ -74,14 +70,14 @@ std::vector<Field<SphAdaptive::Params>> SphAdaptive::fields() {
        0.0, 1.0},
       {"refine_activity", &P::refine_activity,
        "refinement: how much a neighbourhood that differs counts for all its pairs", 0.0, 1.0},
-      among("refine", &P::refine, "whether to refine: where straight edges dominate, always, never",
-            {"auto", "always", "never"}),
-      among("boundary", &P::boundary, "of the passes: a ring of ghost particles, or opposite sides joined",
-            {"ghost", "periodic"}),
-      among("tone", &P::tone,
-            "allocate by the variance of x / (1 + x) (what is displayed), of x (linear light), or auto: "
-            "the former for HDR",
-            {"auto", "displayed", "linear"}),
+      choice_field<P>("refine", &P::refine, "whether to refine: where straight edges dominate, always, never",
+                      {"auto", "always", "never"}),
+      choice_field<P>("boundary", &P::boundary, "of the passes: a ring of ghost particles, or opposite sides joined",
+                      {"ghost", "periodic"}),
+      choice_field<P>("tone", &P::tone,
+                      "allocate by the variance of x / (1 + x) (what is displayed), of x (linear light), or auto: "
+                      "the former for HDR",
+                      {"auto", "displayed", "linear"}),
       {"unbiased", &P::unbiased, "the samples that decided where to look are discarded"},
   };
 }

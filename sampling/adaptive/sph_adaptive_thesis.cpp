@@ -7,6 +7,7 @@
 #include "sampling/adaptive/allocation.h"
 #include "sampling/adaptive/local_variance.h"
 #include "sampling/adaptive/pixel_variance.h"
+#include "sampling/choice_field.h"
 #include "sampling/error.h"
 #include "sampling/relaxation_start.h"
 #include "sampling/rng.h"
@@ -84,30 +85,27 @@ const StrategyInfo SphAdaptiveThesis::info = {
 
 std::vector<Field<SphAdaptiveThesis::Params>> SphAdaptiveThesis::fields() {
   using P = Params;
-  const auto among = [](std::string name, std::string P::*member, std::string help, std::vector<std::string> choices) {
-    Field<P> field{std::move(name), member, std::move(help)};
-    field.choices = std::move(choices);
-    return field;
-  };
   return {
       {"c_min", &P::c_min, "eq. 4.1: 1/s where nothing varies", 0.01, 100},
       {"c_max", &P::c_max, "eq. 4.1: 1/s where the variance is 0.25 or more", 0.01, 100},
       {"exponent", &P::exponent, "density ~ (V + .02 mean V)^exponent instead of eq. 4.1; 0 = eq. 4.1", 0, 4},
-      among("variance", &P::variance, "of the samples, or the true one of every pixel (needs --guide true_variance)",
-            {"estimated", "true"}),
+      choice_field<P>("variance", &P::variance,
+                      "of the samples, or the true one of every pixel (needs --guide true_variance)",
+                      {"estimated", "true"}),
       {"blur", &P::blur, "passes of the filter 1-2-1 over the variance map", 0, 100},
       {"map_cells", &P::map_cells, "map cells per pixel side; above 1: variance of the 8 nearest samples", 1, 8},
       {"freezing", &P::freezing, "evaluated particles stay; without it they move on, and their samples stay behind"},
-      among("redraw", &P::redraw,
-            "free particles drawn anew in every pass, where density is missing: none, those too "
-            "many where they are, all",
-            {"never", "surplus", "all"}),
+      choice_field<P>("redraw", &P::redraw,
+                      "free particles drawn anew in every pass, where density is missing: none, those too "
+                      "many where they are, all",
+                      {"never", "surplus", "all"}),
       {"iterations", &P::iterations, "iterations between two passes", 0, 100000},
       {"first_iterations", &P::first_iterations, "iterations before the first pass", 0, 100000},
       start_field<P>(),
-      among("boundary", &P::boundary, "walls with fixed ghost particles behind them, or opposite sides joined",
-            {"ghost", "periodic"}),
-      among("kernel", &P::kernel, "smoothing kernel; poly6_spiky is the thesis'", {"wendland", "poly6_spiky", "cubic"}),
+      choice_field<P>("boundary", &P::boundary,
+                      "walls with fixed ghost particles behind them, or opposite sides joined", {"ghost", "periodic"}),
+      choice_field<P>("kernel", &P::kernel, "smoothing kernel; poly6_spiky is the thesis'",
+                      {"wendland", "poly6_spiky", "cubic"}),
       {"delta", &P::delta, "density difference relative to the mean density: smaller is stiffer", 0.01, 1e6},
       {"background", &P::background, "subtract the mean-field force; without it the density misses its target"},
       {"most_passes", &P::most_passes, "passes at most; the last one emits what is left", 1, 1000000},
