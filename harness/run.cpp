@@ -12,6 +12,7 @@
 
 #include "harness/apple_analytic.h"
 #include "harness/backend.h"
+#include "harness/calibration.h"
 #include "harness/film.h"
 #include "harness/filtered_truth.h"
 #include "harness/guide.h"
@@ -275,8 +276,12 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
   const Reconstruction& reconstruction = find_reconstruction(result.reconstruction);
   // The samples of a filter importance strategy are distributed as the filter: their plain mean is filtered already.
   const bool shares = !is_box(*subject.filter) && !strategy.info.filter;
+  double calibrated = 0;
   const auto develop = [&](const Film& film) {
-    return shares ? share_samples(film, *subject.filter, strategy.info.adaptive) : reconstruction.develop(film);
+    if (shares) return share_samples(film, *subject.filter, strategy.info.adaptive);
+    Developed picture = reconstruction.develop(film);
+    calibrated = reconstruction.needs_samples ? calibrate(picture, film, sampler->uniform_samples()) : 0;
+    return picture;
   };
 
   // The one loop: generate -> evaluate -> accumulate -> feed back.
@@ -328,6 +333,7 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
   result.empty_pixels = developed->empty_pixels;
   result.max_samples_per_pixel = developed->max_samples_per_pixel;
   result.diagnostics = sampler->diagnostics();
+  if (calibrated != 0) result.diagnostics.push_back({.name = "calibration", .value = calibrated});
   if (developed->empty_pixels > 0) {
     // The reconstructions that look at the samples estimate such a pixel from those around it.
     const bool filled = !film_keeps_samples;

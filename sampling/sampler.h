@@ -96,6 +96,9 @@ class Sampler {
   virtual std::span<const Vec2f> ghosts() const { return {}; }
   /// The reconstruction to use where the parameters ask for another one than StrategyInfo says; empty = that one.
   virtual std::string_view reconstruction() const { return {}; }
+  /// How many of the samples emitted first cover the plane evenly, placed before a value had been seen, when later ones
+  /// were placed by what was seen: their mean has no bias. 0 = there is no such difference between samples.
+  virtual std::uint64_t uniform_samples() const { return 0; }
   /// Whether a stage came from the disk cache.
   virtual bool cached() const { return false; }
 };

@@ -74,6 +74,21 @@ Grid<float> squared_gradient(const Grid<float>& map) {
   return result;
 }
 
+Grid<float> both_drivers(const Grid<float>& a, const Grid<float>& b, double exponent) {
+  assert(a.size() == b.size() && exponent > 0);
+  const std::size_t cells = a.cells().size();
+  std::vector<double> sum(cells, 0.0);
+  for (const Grid<float>* map : {&a, &b}) {
+    double mean = 0;
+    for (const float value : map->cells()) mean += std::pow(double{value}, exponent) / static_cast<double>(cells);
+    if (!(mean > 0)) continue;
+    for (std::size_t i = 0; i < cells; ++i) sum[i] += std::pow(double{(*map)[i]}, exponent) / mean;
+  }
+  Grid<float> both(a.size());
+  for (std::size_t i = 0; i < cells; ++i) both[i] = static_cast<float>(std::min(std::pow(sum[i], 1 / exponent), 1e30));
+  return both;
+}
+
 std::vector<Vec2f> draw_per_pixel(const Grid<float>& density, std::uint64_t count, Extent plane, std::uint64_t seed) {
   assert(count >= plane.area());
   const Grid<float> per_pixel = resampled(density, plane);

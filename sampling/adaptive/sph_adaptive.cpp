@@ -75,9 +75,11 @@ std::vector<Field<SphAdaptive::Params>> SphAdaptive::fields() {
       choice_field<P>("boundary", &P::boundary, "of the passes: a ring of ghost particles, or opposite sides joined",
                       {"ghost", "periodic"}),
       choice_field<P>("tone", &P::tone,
-                      "allocate by the variance of x / (1 + x) (what is displayed), of x (linear light), or auto: "
-                      "the former for HDR",
-                      {"auto", "displayed", "linear"}),
+                      "allocate by the variance of x / (1 + x) (what is displayed), of x (linear light), half by "
+                      "either, or auto: both for HDR, else linear",
+                      {"auto", "displayed", "linear", "both"}),
+      {"calibrate", &P::calibrate,
+       "the picture's mean is corrected by the samples that were placed uniformly; not for HDR"},
       {"unbiased", &P::unbiased, "the samples that decided where to look are discarded"},
   };
 }
@@ -96,7 +98,8 @@ SphAdaptive::SphAdaptive(const SamplingTask& task, const Params& params) : task_
         "least " +
         std::to_string(2 * task.plane.area()) + " samples, not " + std::to_string(task.budget));
   }
-  tone_mapped_ = params.tone == "displayed" || (params.tone == "auto" && task.high_dynamic_range);
+  both_lights_ = params.tone == "both" || (params.tone == "auto" && task.high_dynamic_range);
+  tone_mapped_ = params.tone == "displayed" || both_lights_;
 }
 
 void SphAdaptive::remember(const Feedback& seen) {
@@ -105,8 +108,10 @@ void SphAdaptive::remember(const Feedback& seen) {
   assert(seen.last_values.size() == batch_.size() * channels_);
   for (const float value : seen.last_values) {
     const float x = std::isfinite(value) ? value : 0.0F;
+    const float light = std::clamp(x, -1e15F, 1e15F);
     // x / (1 + x) for light; what is negative has no display value.
-    value_.push_back(tone_mapped_ ? std::max(x, 0.0F) / (1 + std::max(x, 0.0F)) : std::clamp(x, -1e15F, 1e15F));
+    value_.push_back(tone_mapped_ ? std::max(light, 0.0F) / (1 + std::max(light, 0.0F)) : light);
+    if (both_lights_) light_.push_back(light);
   }
 }
 
@@ -137,6 +142,7 @@ std::vector<Vec2f> SphAdaptive::first_samples() {
     refined_from_ = budget;
     density_ = Grid<float>(map_size(task_.plane, params_.map_cells),
                            static_cast<float>(static_cast<double>(first) / static_cast<double>(task_.plane.area())));
+    uniform_samples_ = first;
     stage_ = Stage::adapt;
     return std::move(plane.position);
   }
@@ -159,22 +165,28 @@ std::vector<Vec2f> SphAdaptive::first_samples() {
   }
   rest_.assign(plane.position.begin() + static_cast<std::ptrdiff_t>(base), plane.position.end());
   plane.position.resize(base);
+  uniform_samples_ = base;
   stage_ = Stage::adapt;
   return std::move(plane.position);
 }
 
 Grid<float> SphAdaptive::driver_map() const {
+  if (params_.driver == "guide") return resampled(*task_.guide, density_.size());
+  if (both_lights_) return both_drivers(driver_of(value_), driver_of(light_), params_.exponent);
+  return driver_of(value_);
+}
+
+Grid<float> SphAdaptive::driver_of(const std::vector<float>& value) const {
   const Extent size = density_.size();
-  if (params_.driver == "guide") return resampled(*task_.guide, size);
   Grid<float> map;
   if (params_.driver == "variance") {
-    map = local_variance(position_, value_, channels_, task_.plane, size, params_.neighbours);
+    map = local_variance(position_, value, channels_, task_.plane, size, params_.neighbours);
   } else {
     // A bell of about the neighbours' number of samples.
     const double spp = static_cast<double>(position_.size()) / static_cast<double>(size.area());
     const auto reach = static_cast<int>(std::clamp(std::sqrt(params_.neighbours / (6.3 * spp)), 1.0, 16.0));
-    map = local_mean(position_, value_, channels_, task_.plane, size, reach);
-    for (float& value : map.cells()) value = std::max(value, 0.0F);
+    map = local_mean(position_, value, channels_, task_.plane, size, reach);
+    for (float& mean : map.cells()) mean = std::max(mean, 0.0F);
     if (params_.driver == "gradient") map = squared_gradient(map);
   }
   blur(map, params_.blur);
@@ -199,7 +211,10 @@ std::vector<Vec2f> SphAdaptive::next_samples() {
     if (pass_ == 0) {
       uniform_share_ = uniform_share(driver_map());
       gated_ = uniform_share_ > params_.gate;
-      if (gated_ && !task_.small_steps) return std::move(rest_);
+      if (gated_ && !task_.small_steps) {
+        uniform_samples_ = 0;
+        return std::move(rest_);
+      }
     }
     std::vector<Vec2f> samples = add_by_density(targets_[pass_]);
     if (++pass_ == targets_.size()) stage_ = Stage::refine;
@@ -261,6 +276,11 @@ std::vector<Vec2f> SphAdaptive::add_by_density(std::uint64_t target) {
   const auto ring = solver->ghosts();
   ghosts_.assign(ring.begin(), ring.end());
   return {placed.begin() + static_cast<std::ptrdiff_t>(position_.size()), placed.end()};
+}
+
+std::uint64_t SphAdaptive::uniform_samples() const {
+  // One lamp makes the mean of uniform samples noisier than any bias there is, and its dark surroundings would pay.
+  return params_.calibrate && !params_.unbiased && !task_.high_dynamic_range ? uniform_samples_ : 0;
 }
 
 bool SphAdaptive::straight_edges_dominate() {

@@ -20,6 +20,7 @@ namespace abn {
 /// - the variance is that of the nearest samples on a map finer than the pixels, not of the two or three in a pixel;
 /// - density grows with V^0.5 as for independent samples (Neyman 1934), not with (a V + c)^2 (eqs. 2.19, 4.1), and
 ///   stays below a multiple of the mean;
+/// - for HDR density follows the variance of what is displayed and that of linear light by halves;
 /// - part of the budget bisects differences between neighbours on a Gabriel graph where straight edges dominate;
 /// - the picture is reconstructed by kriging with edges, not by the mean of each pixel.
 class SphAdaptive final : public Sampler {
@@ -45,6 +46,7 @@ class SphAdaptive final : public Sampler {
     std::string refine = "auto";
     std::string boundary = "ghost";
     std::string tone = "auto";
+    bool calibrate = true;
     bool unbiased = false;
   };
   static const StrategyInfo info;
@@ -55,6 +57,7 @@ class SphAdaptive final : public Sampler {
   SampleBatch next(const Feedback& seen) override;
   std::vector<Diagnostic> diagnostics() const override;
   std::string_view reconstruction() const override { return params_.unbiased ? "mean" : ""; }
+  std::uint64_t uniform_samples() const override;
   std::span<const Vec2f> ghosts() const override { return ghosts_; }
   bool cached() const override { return cached_; }
 
@@ -65,6 +68,7 @@ class SphAdaptive final : public Sampler {
   std::vector<Vec2f> first_samples();
   std::vector<Vec2f> next_samples();
   Grid<float> driver_map() const;
+  Grid<float> driver_of(const std::vector<float>& value) const;
   Grid<float> weights_of(const Grid<float>& variance) const;
   std::vector<Vec2f> add_by_density(std::uint64_t target);
   std::vector<Vec2f> refine(std::uint64_t count);
@@ -72,13 +76,15 @@ class SphAdaptive final : public Sampler {
 
   SamplingTask task_;
   Params params_;
-  bool tone_mapped_ = false;
+  bool tone_mapped_ = false, both_lights_ = false;
+  std::uint64_t uniform_samples_ = 0;  // how many came before any was placed by what was seen
   Stage stage_ = Stage::base;
   std::vector<std::uint64_t> targets_;  // samples there should be after each pass
   std::size_t pass_ = 0;
   std::uint64_t refined_from_ = 0;  // samples after which refinement begins
   std::vector<Vec2f> position_;     // all emitted so far, in their order [px]
   std::vector<float> value_;        // of those whose values came back [count * channels], tone-mapped if so
+  std::vector<float> light_;        // the same untransformed, if density follows both
   std::uint32_t channels_ = 1;
   std::vector<Vec2f> rest_;  // of the uniform plane
   std::vector<float> weight_;

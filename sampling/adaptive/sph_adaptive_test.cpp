@@ -107,7 +107,7 @@ TEST(SphAdaptive, OneBrightSampleCannotEatTheBudget) {
     if (p.x > 5 && p.x < 6 && p.y > 5 && p.y < 6) return 1e6F;
     return edge(p);
   };
-  for (const char* tone : {"linear", "displayed"}) {
+  for (const char* tone : {"linear", "displayed", "both"}) {
     const Played played = play(task_of({32, 32}, 6), firefly, {{"tone", tone}});
     const double around =
         share_where(played, [](Vec2f p) { return std::abs(p.x - 5.5F) < 2 && std::abs(p.y - 5.5F) < 2; });
@@ -118,18 +118,49 @@ TEST(SphAdaptive, OneBrightSampleCannotEatTheBudget) {
   }
 }
 
-TEST(SphAdaptive, HighDynamicRangeIsToneMappedByItself) {
+TEST(SphAdaptive, HighDynamicRangeFollowsDisplayAndLightByHalves) {
   SamplingTask task = task_of({32, 32}, 6);
   const Image lamp = [](Vec2f p) {
     if (p.x < 4 && p.y < 4) return 5000.0F * noise(p) + 1000;
     return edge(p);
   };
   const auto at_lamp = [](Vec2f p) { return p.x < 3 && p.y < 3; };  // its border is an edge in any light
-  const double linear = share_where(play(task, lamp), at_lamp);
+  const auto at_edge = [](Vec2f p) { return std::abs(p.x + 0.2F * p.y - 17.3F) < 2; };
+  const Played linear = play(task, lamp, {{"tone", "linear"}});
+  const Played displayed = play(task, lamp, {{"tone", "displayed"}});
   task.high_dynamic_range = true;
-  const double displayed = share_where(play(task, lamp), at_lamp);
-  EXPECT_GT(linear, 0.1);
-  EXPECT_LT(displayed, 0.03);
+  const Played both = play(task, lamp);
+  EXPECT_GT(share_where(linear, at_lamp), 0.1);
+  EXPECT_LT(share_where(displayed, at_lamp), 0.03);
+  EXPECT_GT(share_where(both, at_lamp), 0.05);
+  EXPECT_GT(share_where(displayed, at_edge), 0.3);
+  EXPECT_GT(share_where(both, at_edge), 0.2);
+}
+
+TEST(SphAdaptive, SaysWhichSamplesWereUniform) {
+  const auto uniform_samples = [](SamplingTask task, const Image& image, const ParameterWords& words) {
+    const auto sampler = row<SphAdaptive>().make(task, words);
+    const Grid<PixelStats> unused(task.plane);
+    std::vector<float> last;
+    std::size_t first = 0;
+    for (;;) {
+      const SampleBatch batch = sampler->next({unused, last});
+      if (batch.empty()) break;
+      if (first == 0) first = batch.position.size();
+      last.clear();
+      for (const Vec2f p : batch.position) last.push_back(image(p));
+    }
+    const std::uint64_t said = sampler->uniform_samples();
+    EXPECT_TRUE(said == 0 || said == first);
+    return said;
+  };
+  SamplingTask task = task_of({24, 16}, 6);
+  EXPECT_GT(uniform_samples(task, edge, {}), 0U);
+  EXPECT_EQ(uniform_samples(task, edge, {{"calibrate", "false"}}), 0U);
+  EXPECT_EQ(uniform_samples(task, edge, {{"unbiased", "true"}}), 0U);
+  EXPECT_EQ(uniform_samples(task, noise, {}), 0U);  // gated: all are uniform
+  task.high_dynamic_range = true;
+  EXPECT_EQ(uniform_samples(task, edge, {}), 0U);
 }
 
 TEST(SphAdaptive, ColourCountsJointly) {
@@ -218,7 +249,7 @@ TEST(SphAdaptive, UnbiasedDiscardsItsPilotAndMeetsEveryPixel) {
 TEST(SphAdaptive, HardValuesNeverReachAPosition) {
   for (const float bad : {std::nanf(""), INFINITY, -INFINITY, 3e38F, -3e38F}) {
     const Image image = [&](Vec2f p) { return p.x < 3 ? bad : edge(p); };
-    for (const char* tone : {"linear", "displayed"}) {
+    for (const char* tone : {"linear", "displayed", "both"}) {
       const Played played = play(task_of({24, 16}, 4), image, {{"tone", tone}});
       for (const Vec2f p : played.position) ASSERT_TRUE(p.x >= 0 && p.x < 24 && p.y >= 0 && p.y < 16) << bad;
     }
