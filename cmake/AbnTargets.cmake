@@ -51,17 +51,19 @@ function(abn_configure_analysis target)
   set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "-O3;-fopenmp-simd;-fno-trapping-math")
 endfunction()
 
-# abn_add_tests(name library files): <name>_test runs the unit tests; contract, convergence, figures and quality tests are binaries and labels of their own.
+# abn_add_tests(name library files): <name>_test_0 and _1 run the unit tests, every other one each; contract, convergence, figures and quality tests are binaries and labels of their own.
 function(abn_add_tests name library files)
   if(NOT ABN_TESTS OR NOT files)
     return()
   endif()
   find_package(GTest REQUIRED)
   # Tests are compiled lightly, which halves their time to build; the ones that time inlined loops are not.
+  set(light ${files})
+  list(FILTER light EXCLUDE REGEX "speed_test\\.cpp$")
   if(CMAKE_BUILD_TYPE STREQUAL Release)
-    set(light ${files})
-    list(FILTER light EXCLUDE REGEX "speed_test\\.cpp$")
     set_source_files_properties(${light} PROPERTIES COMPILE_OPTIONS "-O1")
+  elseif(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    set_source_files_properties(${light} PROPERTIES COMPILE_OPTIONS "-O0")
   endif()
   set(unit ${files})
   list(FILTER unit EXCLUDE REGEX "(contract|convergence|figures|quality)_test\\.cpp$")
@@ -78,8 +80,11 @@ function(abn_add_tests name library files)
   add_executable(${name}_test ${unit})
   target_link_libraries(${name}_test PRIVATE ${library} abn_internal GTest::gtest_main)
   target_compile_definitions(${name}_test PRIVATE ABN_TEST_DATA_DIR="${PROJECT_SOURCE_DIR}/${name}/testdata")
-  add_test(NAME ${name}_test COMMAND ${name}_test --gtest_brief=1)
-  set_tests_properties(${name}_test PROPERTIES LABELS unit ENVIRONMENT "OMP_WAIT_POLICY=passive;XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
+  foreach(half 0 1)  # two processes, so that the long binary does not run alone at the end
+    add_test(NAME ${name}_test_${half} COMMAND ${name}_test --gtest_brief=1)
+    set_tests_properties(${name}_test_${half} PROPERTIES LABELS unit
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${half};OMP_WAIT_POLICY=passive;XDG_CACHE_HOME=${CMAKE_BINARY_DIR}/cache")
+  endforeach()
 endfunction()
 
 function(abn_add_benchmark name library files)

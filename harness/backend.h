@@ -4,16 +4,24 @@
 #include <string>
 
 #include "sampling/sph/solver.h"
+#include "sampling/strategy.h"
 
 namespace abn::harness {
 
 struct Backend {
   std::string name;            // cpu | cuda
   sph::SolverFactory factory;  // null = the CPU engine
+  std::string note = {};       // why `auto` is not the GPU that this program was built for; empty = it is, or it was not
 };
 
-/// auto | cpu | cuda. Throws ConfigError for another word, DeviceError if cuda is asked for and cannot be had.
+/// auto | cpu | cuda. `cuda` never falls back: throws DeviceError if it cannot be had, now or when an engine is made.
+/// `auto` is the GPU if there is one; where that fails for a task (no memory left, say), the CPU engine takes over and a
+/// line on stderr says so. Throws ConfigError for another word.
 Backend resolve_backend(const std::string& word);
+
+/// Says on stderr, once per process, that `auto` fell back to the CPU, if it did and the strategy would have used the
+/// GPU.
+void tell_fallback(const std::string& word, const StrategyInfo& info);
 
 /// One line about the GPU for records and `abn info`: its name, or why there is none.
 std::string describe_gpu();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "harness/backend.h"
 #include "harness/analysis.h"
 #include "harness/analysis_pictures.h"
 #include "harness/density.h"
@@ -97,6 +98,7 @@ Analysis analyze_sets(const GlobalOptions& global, const AnalyzeOptions& options
       fmt::print(stderr, "abn: {} gives the same points for every seed; one set is analysed\n", task.strategy);
     sets = 1;
   }
+  if (!global.quiet) tell_fallback(task.backend, strategy.info);
   source.name = options.strategy;
   source.description["strategy"] = strategy.info.name;
   source.description["params"] = Json::object();

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "harness/backend.h"
 #include "harness/image_io.h"
 #include "harness/metrics.h"
 #include "harness/output.h"
@@ -85,10 +86,14 @@ void check_outputs(const std::vector<Output>& outputs) {
   }
 }
 
+const StrategyInfo& strategy_info(const RunSpec& spec) {
+  ParameterWords words = spec.parameters;
+  return find_strategy(spec.strategy, words).info;
+}
+
 /// Throws ConfigError if nothing in the strategy, as set, would look at a guide.
 void require_guide_matters(const RunSpec& spec) {
-  ParameterWords words = spec.parameters;
-  const StrategyInfo& info = find_strategy(spec.strategy, words).info;
+  const StrategyInfo& info = strategy_info(spec);
   RunSpec without = spec;
   without.subject.guide.clear();
   try {
@@ -120,8 +125,7 @@ std::string estimate_wanted_by(const DownscaleOptions& options) {
 
 /// Before the run, as far as it can be known then: an adaptive strategy may choose its reconstruction later.
 void require_estimate(const std::string& flag, const RunSpec& spec) {
-  ParameterWords words = spec.parameters;
-  const StrategyInfo& info = find_strategy(spec.strategy, words).info;
+  const StrategyInfo& info = strategy_info(spec);
   if (flag.empty() || (spec.reconstruction == "auto" && info.adaptive)) return;
   const std::string name = spec.reconstruction == "auto" ? info.reconstruction : spec.reconstruction;
   if (!estimates_errors(find_reconstruction(name))) refuse_estimate(flag, name);
@@ -205,6 +209,7 @@ int downscale(const GlobalOptions& global, const DownscaleOptions& options) {
   require_estimate(estimate_flag, spec);
   if (!options.guide.empty()) require_guide_matters(spec);
   require_sampler(spec);
+  if (!global.quiet) tell_fallback(spec.backend, strategy_info(spec));
 
   Progress progress("downscale", spec.samples, global.quiet);
   progress.update(0, "loading " + options.image);

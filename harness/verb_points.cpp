@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "harness/backend.h"
 #include "harness/analysis_pictures.h"
 #include "harness/density.h"
 #include "harness/image_io.h"
@@ -38,6 +39,10 @@ int points(const GlobalOptions& global, const PointsOptions& options) {
   const PointFormat format = options.format.empty() ? format_for(options.output) : parse_point_format(options.format);
   // All that can be wrong shows before the work: a wrong name must not cost minutes.
   require_points(task);
+  if (!global.quiet) {
+    ParameterWords words = task.parameters;
+    tell_fallback(task.backend, find_strategy(task.strategy, words).info);
+  }
   require_writable(options.output);
   if (!options.picture.empty()) {
     require_writable_image(options.picture);

@@ -105,6 +105,7 @@ const StrategyInfo SphBlueNoise::info = {
     .cite = "Jiang et al. 2015, Blue noise sampling using an SPH-based method; Russell 2017 (thesis), 2.5 and 2.6",
     .advice = "The best plain choice where neither axis nor scale of the image is special; the start of sph_adaptive.",
     .density = true,
+    .solver = true,
 };
 
 std::vector<Field<SphBlueNoise::Params>> SphBlueNoise::fields() {

@@ -27,6 +27,7 @@ struct StrategyInfo {
   bool random = true;                   // another seed gives other samples
   bool density = false;                 // places its samples by SamplingTask::density
   bool filter = false;                  // draws its samples from SamplingTask::filter, so that their mean is filtered
+  bool solver = false;                  // relaxes particles by SamplingTask::solver
 };
 
 /// A row of the table.

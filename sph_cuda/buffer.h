@@ -4,6 +4,8 @@
 #include <cuda_runtime.h>
 
 #include <cstddef>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,16 +13,14 @@
 
 namespace abn::sph_cuda {
 
-/// `count` values of T on the current device; move-only. Copies are synchronous.
+/// Values of T on the current device; move-only, uninitialised until uploaded. Copies are synchronous: they come after
+/// everything in the streams that do not opt out of waiting for the default stream.
 template <class T>
 class Buffer {
  public:
-  explicit Buffer(std::size_t count) : count_(count) {
-    check(cudaMalloc(reinterpret_cast<void**>(&data_), count * sizeof(T)), "cudaMalloc");
-  }
-  explicit Buffer(const std::vector<T>& host) : Buffer(host.size()) {
-    check(cudaMemcpy(data_, host.data(), count_ * sizeof(T), cudaMemcpyHostToDevice), "copy to device");
-  }
+  Buffer() = default;
+  explicit Buffer(std::size_t count) { reset(count); }
+  explicit Buffer(const std::vector<T>& host) : Buffer(host.size()) { upload(host); }
   Buffer(Buffer&& other) noexcept
       : data_(std::exchange(other.data_, nullptr)), count_(std::exchange(other.count_, 0)) {}
   Buffer& operator=(Buffer&& other) noexcept {
@@ -30,14 +30,39 @@ class Buffer {
   }
   ~Buffer() { cudaFree(data_); }
 
+  /// Room for `count` values; what was there is lost. Throws DeviceError where the device has no such memory left.
+  void reset(std::size_t count) {
+    if (count == count_) return;
+    check(cudaFree(std::exchange(data_, nullptr)), "cudaFree");
+    count_ = 0;
+    if (count == 0) return;
+    const cudaError_t status = cudaMalloc(reinterpret_cast<void**>(&data_), count * sizeof(T));
+    if (status == cudaErrorMemoryAllocation) {
+      cudaGetLastError();  // not sticky, and told here
+      std::size_t free = 0;
+      std::size_t total = 0;
+      check(cudaMemGetInfo(&free, &total), "cudaMemGetInfo");
+      throw DeviceError("the CUDA device has " + std::to_string(free >> 20) + " of " + std::to_string(total >> 20) +
+                        " MiB left, and " + std::to_string((count * sizeof(T) >> 20) + 1) +
+                        " MiB more are needed; ask for fewer samples or use --backend cpu");
+    }
+    check(status, "cudaMalloc");
+    count_ = count;
+  }
+  void upload(std::span<const T> host) {
+    check(cudaMemcpy(data_, host.data(), host.size_bytes(), cudaMemcpyHostToDevice), "copy to device");
+  }
+  void upload(const std::vector<T>& host) { upload(std::span<const T>(host)); }
+  std::vector<T> download(std::size_t count) const {
+    std::vector<T> host(count);
+    check(cudaMemcpy(host.data(), data_, count * sizeof(T), cudaMemcpyDeviceToHost), "copy to host");
+    return host;
+  }
+  std::vector<T> to_host() const { return download(count_); }
+
   T* data() { return data_; }
   const T* data() const { return data_; }
   std::size_t size() const { return count_; }
-  std::vector<T> to_host() const {
-    std::vector<T> host(count_);
-    check(cudaMemcpy(host.data(), data_, count_ * sizeof(T), cudaMemcpyDeviceToHost), "copy to host");
-    return host;
-  }
 
  private:
   T* data_ = nullptr;

@@ -115,7 +115,7 @@ TEST(RankedPlane, CacheGivesTheSameBitsAndDistrustsFiles) {
   EXPECT_FALSE(ranked_plane({30, 20}, 3000, 1, {.iterations = 24}, true).cached);
   EXPECT_FALSE(ranked_plane({30, 20}, 3000, 1, {.per_cell = 17}, true).cached);
   // Another engine's points are not kept.
-  EXPECT_FALSE(ranked_plane({30, 20}, 3000, 1, {}, true, sph::make_host_loop_solver).cached);
+  EXPECT_FALSE(ranked_plane({30, 20}, 3000, 1, {}, true, sph::make_cpu_solver_double).cached);
   for (const auto& entry : std::filesystem::directory_iterator(cache_folder())) {
     std::ofstream(entry.path(), std::ios::trunc) << "rubbish";
   }

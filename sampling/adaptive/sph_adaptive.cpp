@@ -42,6 +42,7 @@ const StrategyInfo SphAdaptive::info = {
         "The default choice where an evaluation costs more than a microsecond and the image is not noise all over.",
     .adaptive = true,
     .reconstruction = "edge",
+    .solver = true,
 };
 
 std::vector<Field<SphAdaptive::Params>> SphAdaptive::fields() {

@@ -81,6 +81,7 @@ const StrategyInfo SphAdaptiveThesis::info = {
     .cite = "Russell 2018 (thesis), 4.1",
     .advice = "To reproduce the thesis and why its adaptive blue noise lost; use sph_adaptive for pictures.",
     .adaptive = true,
+    .solver = true,
 };
 
 std::vector<Field<SphAdaptiveThesis::Params>> SphAdaptiveThesis::fields() {

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sampling/sph/engine_planes.h"
 #include "sampling/sph/problem.h"
 #include "sampling/sph/size_field_cases.h"
 #include "sampling/sph/solver.h"
@@ -17,84 +18,6 @@
 
 namespace abn::sph {
 namespace {
-
-/// One plane to compare engines on.
-struct Plane {
-  std::string name;
-  sph::Setup setup;
-  std::vector<Vec2f> positions;
-  std::vector<std::uint8_t> classes;
-  Grid<float> size;  // empty = uniform
-};
-
-const char* name_of(Kernel kernel) {
-  return kernel == Kernel::wendland ? "wendland" : kernel == Kernel::cubic ? "cubic" : "poly6_spiky";
-}
-
-/// "" = no field. Half of the particles start by the field's density, half anywhere, a few at one place.
-Plane make_plane(Extent extent, std::uint64_t n, const std::string& field, Kernel kernel, Boundary boundary) {
-  Plane plane;
-  plane.name = std::to_string(extent.width) + "x" + std::to_string(extent.height) + " N " + std::to_string(n) + " " +
-               field + " " + name_of(kernel) + (boundary == Boundary::ghost ? " ghost" : "");
-  plane.positions = white_positions(extent, n);
-  if (!field.empty()) {
-    plane.size = make_size_field(field, boundary == Boundary::ghost ? Extent{16, 16} : Extent{32, 32});
-    const std::vector<Vec2f> drawn = drawn_positions(extent, plane.size, n / 2);
-    std::copy(drawn.begin(), drawn.end(), plane.positions.begin());
-  }
-  for (std::uint64_t k = 0; k < n / 100; ++k) plane.positions[n - 1 - k] = plane.positions[n / 2 + k / 3];
-  plane.setup.plane = extent;
-  plane.setup.kernel = kernel;
-  plane.setup.boundary = boundary;
-  return plane;
-}
-
-std::unique_ptr<Solver> start(const Plane& plane, const SolverFactory& make) {
-  auto setup = plane.setup;
-  setup.positions = plane.positions;
-  setup.classes = plane.classes;
-  auto solver = make(setup);
-  if (plane.size.size().area() > 0) solver->set_size_field(plane.size);
-  return solver;
-}
-
-std::vector<Plane> all_planes(std::uint64_t n) {
-  std::vector<Plane> planes;
-  for (const Kernel kernel : {Kernel::wendland, Kernel::poly6_spiky, Kernel::cubic}) {
-    for (const Boundary boundary : {Boundary::periodic, Boundary::ghost}) {
-      planes.push_back(make_plane({20, 17}, n, "", kernel, boundary));
-      for (const SizeFieldCase& field : size_field_cases()) {
-        planes.push_back(make_plane({20, 17}, n, field.name, kernel, boundary));
-      }
-      planes.push_back(make_plane({20, 17}, n, "step:100", kernel, boundary));
-    }
-    for (const int classes : {2, 4}) {
-      Plane plane = make_plane({20, 17}, n, "", kernel, Boundary::periodic);
-      plane.name += " classes " + std::to_string(classes);
-      for (std::uint64_t i = 0; i < n; ++i) plane.classes.push_back(static_cast<std::uint8_t>(i % 7 % classes));
-      planes.push_back(plane);
-    }
-  }
-  return planes;
-}
-
-/// Tori on which particles meet their own images, and very long ones.
-std::vector<Plane> odd_planes() {
-  std::vector<Plane> planes;
-  const std::pair<Extent, std::uint64_t> shapes[] = {{{60, 7}, 400},   {{20, 20}, 1},    {{20, 20}, 2},
-                                                     {{20, 20}, 7},    {{1, 2000}, 1},   {{1, 2000}, 7},
-                                                     {{1, 2000}, 200}, {{2000, 1}, 100}, {{1, 1}, 100}};
-  for (const auto& [extent, n] : shapes) {
-    for (const char* field : {"", "smooth", "step:100"}) {
-      for (const float support : {0.7F, 2.0F, 3.0F}) {
-        planes.push_back(make_plane(extent, n, field, Kernel::wendland, Boundary::periodic));
-        planes.back().setup.support_radius = support;
-        planes.back().name += " H " + std::to_string(support);
-      }
-    }
-  }
-  return planes;
-}
 
 /// What the equations say, by loops over all pairs and images, and the largest sum of magnitudes of force terms: the
 /// scale of rounding errors, because the terms cancel.
@@ -272,40 +195,13 @@ TEST(SphEngines, EqualTheTwinWhereParticlesMeetTheirOwnImages) {
   RecordProperty("float_force", std::to_string(in_float.force * 1e6) + "e-6");
 }
 
-/// Everything that must not differ in a single bit after some steps.
-struct Outcome {
-  RelaxReport report;
-  std::vector<Vec2f> positions;
-  Evaluation state;
-};
-Outcome outcome(const Plane& plane, const SolverFactory& make, int steps) {
-  const auto solver = start(plane, make);
-  Outcome result;
-  result.report = solver->relax(steps, false);
-  const auto positions = solver->positions();
-  result.positions.assign(positions.begin(), positions.end());
-  result.state = solver->evaluate();
-  return result;
-}
-void expect_same(const Outcome& a, const Outcome& b, const std::string& where) {
-  EXPECT_EQ(a.positions, b.positions) << where;
-  EXPECT_EQ(a.state.density, b.state.density) << where;
-  EXPECT_EQ(a.state.force_x, b.state.force_x) << where;
-  EXPECT_EQ(a.state.force_y, b.state.force_y) << where;
-  EXPECT_EQ(a.report.mean_displacement, b.report.mean_displacement) << where;
-  EXPECT_EQ(a.report.max_displacement, b.report.max_displacement) << where;
-  EXPECT_EQ(a.report.mean_density, b.report.mean_density) << where;
-  EXPECT_EQ(a.report.still, b.report.still) << where;
-}
-
-TEST(SphEngines, InstructionSetsAndHostLoopAreBitIdentical) {
+TEST(SphEngines, InstructionSetsAreBitIdentical) {
   std::vector<Plane> planes = all_planes(130);
   const std::vector<Plane> odd = odd_planes();
   planes.insert(planes.end(), odd.begin(), odd.end());
   for (const Plane& plane : planes) {
     const Outcome cpu = outcome(plane, make_cpu_solver, 6);
     expect_same(cpu, outcome(plane, make_cpu_solver_baseline, 6), plane.name + " baseline");
-    expect_same(cpu, outcome(plane, make_host_loop_solver, 6), plane.name + " host loop");
   }
 }
 
@@ -320,7 +216,6 @@ TEST(SphEngines, AreBitIdenticalForAnyNumberOfThreads) {
   for (const Plane& plane : planes) {
     omp_set_num_threads(1);
     const Outcome alone = outcome(plane, make_cpu_solver, 5);
-    expect_same(alone, outcome(plane, make_host_loop_solver, 5), plane.name + " host loop");
     for (const int count : {2, 3, 4}) {
       omp_set_num_threads(count);
       expect_same(alone, outcome(plane, make_cpu_solver, 5), plane.name + " threads " + std::to_string(count));
@@ -367,24 +262,7 @@ TEST(SphEngines, NameTheirBackend) {
   EXPECT_TRUE(best == "cpu avx2" || best == "cpu") << best;
   EXPECT_STREQ(make_cpu_solver_baseline(setup_of({5, 5}, one))->backend(), "cpu");
   EXPECT_STREQ(make_cpu_solver_double(setup_of({5, 5}, one))->backend(), "cpu double");
-  EXPECT_STREQ(make_host_loop_solver(setup_of({5, 5}, one))->backend(), "host loop");
   EXPECT_STREQ(make_twin_solver(setup_of({5, 5}, one))->backend(), "twin");
-}
-
-TEST(SphEngines, AgreeWithoutPressure) {
-  // The vectorised engine sums no densities then, the host loop does.
-  Plane plane = make_plane({40, 30}, 1500, "smooth", Kernel::wendland, Boundary::periodic);
-  plane.setup.stiffness_ratio = std::numeric_limits<float>::infinity();
-  const auto fast = start(plane, make_cpu_solver);
-  const auto plain = start(plane, make_host_loop_solver);
-  const std::vector<std::uint32_t> held = {3, 5, 700};
-  for (const auto* solver : {&fast, &plain}) {
-    (*solver)->freeze(held);
-    EXPECT_GT((*solver)->relax(6, false).mean_displacement, 0);
-  }
-  EXPECT_EQ(std::vector<Vec2f>(fast->positions().begin(), fast->positions().end()),
-            std::vector<Vec2f>(plain->positions().begin(), plain->positions().end()));
-  EXPECT_EQ(fast->evaluate().density, plain->evaluate().density);
 }
 
 TEST(SphEngines, StartWithASizeFieldIsAsIfItWereSet) {

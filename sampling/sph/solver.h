@@ -108,8 +108,6 @@ std::unique_ptr<Solver> make_cpu_solver(const Setup& setup);
 std::unique_ptr<Solver> make_cpu_solver_baseline(const Setup& setup);
 /// The same in double: the difference to the float engine is its rounding.
 std::unique_ptr<Solver> make_cpu_solver_double(const Setup& setup);
-/// A plain host loop over the per-particle bodies that a GPU runs; bit-identical to make_cpu_solver().
-std::unique_ptr<Solver> make_host_loop_solver(const Setup& setup);
 /// The twin of them all: all pairs and all images, in double, without cells, lanes or threads. O(N^2) per step.
 std::unique_ptr<Solver> make_twin_solver(const Setup& setup);
 

@@ -2,7 +2,7 @@
 //
 // A step: sort into cells, density, mean, pressure, force and leapfrog. Particles live in sorted order as a structure
 // of arrays; the pair loops are in lanes.h. Determinism: every particle is summed by one thread in the order of its
-// search, and statistics are summed per chunk of a fixed number of particles, then over the chunks in order.
+// search, and statistics are summed in the order of fixed_sum.h.
 #include <omp.h>
 
 #include <algorithm>
@@ -13,13 +13,14 @@
 
 #include "sampling/sph/bodies.h"
 #include "sampling/sph/cells.h"
+#include "sampling/sph/fixed_sum.h"
 #include "sampling/sph/lanes.h"
 #include "sampling/sph/stepping_solver.h"
 
 namespace abn::sph {
 namespace {
 
-constexpr std::size_t chunk_size = 1024;               // particles that one thread takes at a time
+constexpr std::size_t chunk_size = sum_chunk;          // particles that one thread takes at a time
 constexpr std::size_t parallel_from = 8 * chunk_size;  // below, starting threads costs more than they save
 constexpr int sort_parts = 4;                          // at most: each costs 4 B per cell
 
@@ -86,7 +87,19 @@ class CpuSolver final : public SteppingSolver {
     chunks_ = std::vector<Chunk>((n_ + chunk_size - 1) / chunk_size);
   }
 
-  StepSums step(double length) override {
+  void run(RelaxControl& control) override {
+    while (!control.done) control.finish_step(step(control.report.step));
+  }
+
+  void store(std::vector<double>& x, std::vector<double>& y) override {
+    for (std::size_t i = 0; i < n_; ++i) {
+      x[now_.id[i]] = static_cast<double>(now_.x[i]);
+      y[now_.id[i]] = static_cast<double>(now_.y[i]);
+    }
+  }
+
+ private:
+  StepSums step(double length) {
     StepSums sums;
     sums.mean_density = find_pressures(true);
     Motion<Real> motion;
@@ -104,7 +117,8 @@ class CpuSolver final : public SteppingSolver {
       Forces forces;
       find_forces(c, begin, end, forces);
       Chunk& chunk = chunks_[c];
-      chunk.displacement = chunk.max_displacement = 0;
+      ChunkSum displacement;
+      chunk.max_displacement = 0;
       chunk.moving = chunk.non_finite = 0;
       for (std::size_t i = begin; i < end; ++i) {
         next_.x[i] = now_.x[i];
@@ -121,16 +135,17 @@ class CpuSolver final : public SteppingSolver {
           ++chunk.non_finite;
           continue;
         }
-        chunk.displacement += static_cast<double>(moved);
+        displacement.add(i - begin, static_cast<double>(moved));
         chunk.max_displacement = std::max(chunk.max_displacement, static_cast<double>(moved));
         chunk.moving += moved >= tolerance ? 1 : 0;
       }
+      chunk.displacement = displacement.total();
     });
     std::swap(now_.x, next_.x);
     std::swap(now_.y, next_.y);
     cells_known_ = true;
+    sums.displacement = sum_of(&Chunk::displacement);
     for (const Chunk& chunk : chunks_) {
-      sums.displacement += chunk.displacement;
       sums.max_displacement = std::max(sums.max_displacement, chunk.max_displacement);
       sums.moving += chunk.moving;
       sums.non_finite += chunk.non_finite;
@@ -138,14 +153,6 @@ class CpuSolver final : public SteppingSolver {
     return sums;
   }
 
-  void store(std::vector<double>& x, std::vector<double>& y) override {
-    for (std::size_t i = 0; i < n_; ++i) {
-      x[now_.id[i]] = static_cast<double>(now_.x[i]);
-      y[now_.id[i]] = static_cast<double>(now_.y[i]);
-    }
-  }
-
- private:
   /// A particle per index, in sorted order; padded so that a block may read past the end.
   struct State {
     explicit State(std::size_t n = 0) : x(n + lanes), y(n + lanes), vx(n), vy(n), id(n) {}
@@ -177,6 +184,13 @@ class CpuSolver final : public SteppingSolver {
       const auto chunk = static_cast<std::size_t>(c);
       f(chunk, chunk * chunk_size, std::min(n_, (chunk + 1) * chunk_size));
     }
+  }
+
+  double sum_of(double Chunk::*value) const {
+    std::vector<double> values;
+    values.reserve(chunks_.size());
+    for (const Chunk& chunk : chunks_) values.push_back(chunk.*value);
+    return fixed_order_sum(std::move(values));
   }
 
   ParticleView<Real> view() const {
@@ -292,24 +306,21 @@ class CpuSolver final : public SteppingSolver {
       find_blocks(all, terms, begin, end, fixed, largest_in_row_.empty() ? nullptr : &largest, chunk.blocks);
       if (no_densities) return;
       passes_.density(all, chunk.blocks, density_.data(), class_density_.data());
-      chunk.density = chunk.class_density = 0;
+      ChunkSum total;
+      ChunkSum class_total;
       for (std::size_t i = begin; i < end; ++i) {
         density_[i] *= constant.all;
         if (terms.classed) class_density_[i] *= constant.own;
         if (now_.id[i] >= particles) continue;
-        chunk.density += static_cast<double>(density_[i]);
-        if (terms.classed) chunk.class_density += static_cast<double>(class_density_[i]);
+        total.add(i - begin, static_cast<double>(density_[i]));
+        if (terms.classed) class_total.add(i - begin, static_cast<double>(class_density_[i]));
       }
+      chunk.density = total.total();
+      chunk.class_density = terms.classed ? class_total.total() : 0;
     });
     if (no_densities) return 1;
-    double density = 0;
-    double class_density = 0;
-    for (const Chunk& chunk : chunks_) {
-      density += chunk.density;
-      class_density += chunk.class_density;
-    }
-    density /= static_cast<double>(particles);
-    class_density /= static_cast<double>(particles);
+    const double density = sum_of(&Chunk::density) / static_cast<double>(particles);
+    const double class_density = sum_of(&Chunk::class_density) / static_cast<double>(particles);
     const auto mean = static_cast<Real>(density);
     const auto class_mean = static_cast<Real>(class_density);
     const Real inverse_delta = Real(1) / static_cast<Real>(setup().stiffness_ratio);

@@ -245,7 +245,7 @@ TEST(SphSolver, RefusesWrongSetups) {
   const auto refuses = [&](auto change) {
     auto setup = setup_of({5, 5}, good);
     change(setup);
-    for (const auto& make : {make_cpu_solver, make_cpu_solver_double, make_host_loop_solver, make_twin_solver}) {
+    for (const auto& make : {make_cpu_solver, make_cpu_solver_double, make_twin_solver}) {
       EXPECT_THROW(make(setup), ConfigError);
     }
   };

@@ -47,7 +47,17 @@ class TwinSolver final : public SteppingSolver {
     here_.assign(n, {});
   }
 
-  StepSums step(double length) override {
+  void run(RelaxControl& control) override {
+    while (!control.done) control.finish_step(step(control.report.step));
+  }
+
+  void store(std::vector<double>& x, std::vector<double>& y) override {
+    x = x_;
+    y = y_;
+  }
+
+ private:
+  StepSums step(double length) {
     StepSums sums;
     sums.mean_density = find_forces();
     Motion<double> motion;
@@ -74,12 +84,6 @@ class TwinSolver final : public SteppingSolver {
     return sums;
   }
 
-  void store(std::vector<double>& x, std::vector<double>& y) override {
-    x = x_;
-    y = y_;
-  }
-
- private:
   bool same_class(std::size_t i, std::size_t j) const {
     return !problem().terms.classed || problem().labels[i] == problem().labels[j];
   }

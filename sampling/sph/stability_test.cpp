@@ -92,7 +92,7 @@ TEST(SphStability, HardFieldsSettleFromTheirDensity) {
 
 TEST(SphStability, SizeFieldsThatAreNoneAreRefused) {
   const auto positions = white_positions({20, 20}, 100);
-  for (const auto& make : {make_cpu_solver, make_cpu_solver_double, make_host_loop_solver, make_twin_solver}) {
+  for (const auto& make : {make_cpu_solver, make_cpu_solver_double, make_twin_solver}) {
     for (const Boundary boundary : {Boundary::periodic, Boundary::ghost}) {
       auto setup = setup_of({20, 20}, positions);
       setup.boundary = boundary;

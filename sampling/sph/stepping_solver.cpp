@@ -19,29 +19,6 @@ Setup without_spans(Setup setup) {
   return setup;
 }
 
-/// Says when the step is too long: a relaxation that works loses a good part of its motion in every few steps; one that
-/// rings or explodes does not.
-class StepControl {
- public:
-  /// True if the step should be reduced, given the mean displacement of the step just done [d].
-  bool too_long(double mean_displacement) {
-    window_ += mean_displacement;
-    if (++count_ < length) return false;
-    const double mean = window_ / length;
-    // Slow drift below a few hundredths of a spacing is no instability: a size field or a frozen set settles slowly.
-    const bool restless = previous_ > 0 && mean > 0.05 && mean > 0.9 * previous_;
-    previous_ = restless ? 0 : mean;
-    window_ = 0;
-    count_ = 0;
-    return restless;
-  }
-
- private:
-  static constexpr int length = 6;
-  double window_ = 0, previous_ = 0;
-  int count_ = 0;
-};
-
 }  // namespace
 
 SteppingSolver::SteppingSolver(const Setup& setup) : SteppingSolver(setup, validated_problem(setup)) {}
@@ -79,35 +56,23 @@ void SteppingSolver::freeze(std::span<const std::uint32_t> ids) {
 }
 
 RelaxReport SteppingSolver::relax(int max_steps, bool stop_early) {
-  std::size_t free = problem_.particles;
-  for (std::size_t i = 0; i < std::min(fixed_.size(), problem_.particles); ++i) free -= fixed_[i];
-  RelaxReport report;
-  report.step = double{setup_.step};
+  RelaxControl control;
+  control.free = problem_.particles;
+  for (std::size_t i = 0; i < std::min(fixed_.size(), problem_.particles); ++i) control.free -= fixed_[i];
+  control.max_steps = max_steps;
+  control.tolerance = double{setup_.tolerance};
+  control.by_mean = setup_.criterion == Criterion::mean;
+  control.stop_early = stop_early;
+  control.adaptive_step = setup_.adaptive_step;
+  control.done = max_steps <= 0;
+  control.report.step = double{setup_.step};
   // The pressure force is as stiff as 1 / Delta: beyond about 5 Delta a step overshoots; with the force of the own
   // class beside it, beyond 3.
   const double longest = problem_.terms.classed ? 2.5 : 4;
-  if (setup_.adaptive_step) report.step = std::min(report.step, longest * double{setup_.stiffness_ratio});
-  StepControl control;
-  for (int s = 1; s <= max_steps; ++s) {
-    const StepSums sums = step(report.step);
-    report.steps = s;
-    report.mean_density = sums.mean_density;
-    report.mean_displacement = free > 0 ? sums.displacement / static_cast<double>(free) : 0;
-    report.max_displacement = sums.max_displacement;
-    report.still = free > 0 ? 1 - static_cast<double>(sums.moving) / static_cast<double>(free) : 1;
-    report.non_finite += sums.non_finite;
-    const bool mean_converged = report.mean_displacement < double{setup_.tolerance};
-    const bool every_converged = sums.moving == 0;
-    if (mean_converged && report.mean_converged_at < 0) report.mean_converged_at = s;
-    if (every_converged && report.every_converged_at < 0) report.every_converged_at = s;
-    report.converged = setup_.criterion == Criterion::mean ? mean_converged : every_converged;
-    if (stop_early && report.converged) break;
-    if (setup_.adaptive_step && control.too_long(report.mean_displacement)) {
-      report.step *= 0.6;
-      ++report.step_reductions;
-    }
-  }
-  return report;
+  if (setup_.adaptive_step)
+    control.report.step = std::min(control.report.step, longest * double{setup_.stiffness_ratio});
+  run(control);
+  return control.report;
 }
 
 std::span<const Vec2f> SteppingSolver::positions() {

@@ -1,5 +1,4 @@
-// What all engines have in common: bookkeeping, the loop of relax(), its step length and its end. An engine adds the
-// storage of the particles and one step.
+// What all engines have in common: the bookkeeping. An engine adds the storage of the particles and the steps.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +6,10 @@
 #include <vector>
 
 #include "sampling/sph/problem.h"
+#include "sampling/sph/relax_control.h"
 #include "sampling/sph/solver.h"
 
 namespace abn::sph {
-
-/// Sums over the free particles in one step.
-struct StepSums {
-  double mean_density = 0;  // of all but the ghosts
-  double displacement = 0;
-  double max_displacement = 0;
-  std::uint64_t moving = 0;  // particles displaced by at least the tolerance
-  std::uint64_t non_finite = 0;
-};
 
 class SteppingSolver : public Solver {
  public:
@@ -35,8 +26,8 @@ class SteppingSolver : public Solver {
 
   /// Takes the particles over, at rest.
   virtual void load(const Problem& problem) = 0;
-  /// One step of every particle that is not fixed.
-  virtual StepSums step(double length) = 0;
+  /// Steps of every particle that is not fixed, each with the length control.report.step, until control.done.
+  virtual void run(RelaxControl& control) = 0;
   /// Writes the particles' positions by id [d], ghosts included.
   virtual void store(std::vector<double>& x, std::vector<double>& y) = 0;
 

@@ -1,0 +1,129 @@
+// The device of engine.h that is a GPU. For files that nvcc compiles.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <cub/device/device_scan.cuh>
+#include <memory>
+#include <set>
+#include <type_traits>
+#include <unordered_map>
+#include <utility>
+
+#include "sph_cuda/buffer.h"
+#include "sph_cuda/check.h"
+
+namespace abn::sph_cuda {
+
+inline constexpr std::uint32_t threads_per_block = 128;  // of launches by index
+
+/// Launch: one thread per index, no shared memory. Writes what the body says it writes.
+template <class Body>
+__global__ void __launch_bounds__(threads_per_block) run_indices(Body body, std::uint32_t n) {
+  const std::uint64_t i = std::uint64_t{blockIdx.x} * threads_per_block + threadIdx.x;
+  if (i < n) body(static_cast<std::uint32_t>(i));
+}
+
+/// Launch: Body::threads per block, shared memory for a Body::Value of each, a barrier after every phase.
+template <class Body>
+__global__ void __launch_bounds__(Body::threads) run_blocks(Body body) {
+  __shared__ alignas(16) unsigned char memory[Body::threads * sizeof(typename Body::Value)];
+  auto* shared = reinterpret_cast<typename Body::Value*>(memory);
+  for (int phase = 0; phase < Body::phases; ++phase) {
+    body(phase, blockIdx.x, threadIdx.x, shared);
+    __syncthreads();
+  }
+}
+
+class CudaDevice {
+ public:
+  static constexpr const char* name = "cuda";
+  template <class T>
+  using Buffer = sph_cuda::Buffer<T>;
+
+  CudaDevice() {
+    cudaStream_t stream = nullptr;
+    check(cudaStreamCreate(&stream), "cudaStreamCreate");  // waits for copies, and they for it
+    stream_.reset(stream);
+  }
+
+  template <class Body>
+  void launch(std::uint32_t n, const Body& body) {
+    if (n == 0) return;
+    const std::uint32_t blocks = n / threads_per_block + (n % threads_per_block != 0 ? 1 : 0);
+    run_indices<<<blocks, threads_per_block, 0, stream_.get()>>>(body, n);
+    check(cudaGetLastError(), "kernel launch");
+  }
+
+  template <class Body>
+  void launch_blocks(std::uint32_t blocks, const Body& body) {
+    run_blocks<<<blocks, Body::threads, 0, stream_.get()>>>(body);
+    check(cudaGetLastError(), "kernel launch");
+  }
+
+  /// Makes room for sums of up to n values: nothing can be allocated while a graph is recorded.
+  void prepare_sums(std::uint32_t n) {
+    std::size_t bytes = 0;
+    const std::uint32_t* in = nullptr;
+    std::uint32_t* out = nullptr;
+    check(cub::DeviceScan::ExclusiveSum(nullptr, bytes, in, out, n, stream_.get()), "cub::DeviceScan");
+    if (bytes > sum_memory_.size()) sum_memory_.reset(bytes);
+  }
+  void exclusive_sum(const std::uint32_t* in, std::uint32_t* out, std::uint32_t n) {
+    std::size_t bytes = sum_memory_.size();
+    check(cub::DeviceScan::ExclusiveSum(sum_memory_.data(), bytes, in, out, n, stream_.get()), "cub::DeviceScan");
+  }
+
+  /// The first time launches as it is told, the second time records a graph: for a single batch that would not pay.
+  template <class Enqueue>
+  void replay(int key, const Enqueue& enqueue) {
+    if (const auto known = graphs_.find(key); known != graphs_.end()) {
+      check(cudaGraphLaunch(known->second.get(), stream_.get()), "cudaGraphLaunch");
+      return;
+    }
+    if (seen_.insert(key).second) {
+      enqueue();
+      return;
+    }
+    check(cudaStreamBeginCapture(stream_.get(), cudaStreamCaptureModeThreadLocal), "cudaStreamBeginCapture");
+    cudaGraph_t raw = nullptr;
+    try {
+      enqueue();
+    } catch (...) {
+      cudaStreamEndCapture(stream_.get(), &raw);  // the first error is the one to tell
+      if (raw != nullptr) cudaGraphDestroy(raw);
+      throw;
+    }
+    check(cudaStreamEndCapture(stream_.get(), &raw), "cudaStreamEndCapture");
+    const std::unique_ptr<std::remove_pointer_t<cudaGraph_t>, DestroyGraph> graph(raw);
+    cudaGraphExec_t executable = nullptr;
+    check(cudaGraphInstantiateWithFlags(&executable, graph.get(), 0), "cudaGraphInstantiate");
+    const auto placed = graphs_.emplace(key, Executable(executable)).first;
+    check(cudaGraphLaunch(placed->second.get(), stream_.get()), "cudaGraphLaunch");
+  }
+  void forget() {
+    graphs_.clear();
+    seen_.clear();
+  }
+
+ private:
+  struct DestroyStream {
+    void operator()(cudaStream_t stream) const { cudaStreamDestroy(stream); }
+  };
+  struct DestroyGraph {
+    void operator()(cudaGraph_t graph) const { cudaGraphDestroy(graph); }
+  };
+  struct DestroyExecutable {
+    void operator()(cudaGraphExec_t executable) const { cudaGraphExecDestroy(executable); }
+  };
+  using Executable = std::unique_ptr<std::remove_pointer_t<cudaGraphExec_t>, DestroyExecutable>;
+
+  std::unique_ptr<std::remove_pointer_t<cudaStream_t>, DestroyStream> stream_;
+  Buffer<unsigned char> sum_memory_;
+  std::unordered_map<int, Executable> graphs_;
+  std::set<int> seen_;
+};
+
+}  // namespace abn::sph_cuda

@@ -1,0 +1,99 @@
+// A device that is a loop on the host: every launch block by block and thread by thread, in an order that can be
+// chosen, on arrays of exactly their size, so that the address sanitizer sees a kernel that reads or writes past one.
+#pragma once
+
+#include <algorithm>
+#include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace abn::sph_cuda {
+
+/// In what order the blocks and threads of a launch run. Results must not depend on it.
+enum class LaunchOrder : std::uint8_t { forward, backward, scattered };
+
+class HostDevice {
+ public:
+  static constexpr const char* name = "host loop";
+
+  explicit HostDevice(LaunchOrder order = LaunchOrder::forward) : order_(order) {}
+
+  template <class T>
+  class Buffer {
+   public:
+    void reset(std::size_t count) {
+      data_ = count > 0 ? std::make_unique<T[]>(count) : nullptr;
+      count_ = count;
+    }
+    void upload(std::span<const T> values) {
+      assert(values.size() == count_);
+      std::copy(values.begin(), values.end(), data_.get());
+    }
+    void upload(const std::vector<T>& values) { upload(std::span<const T>(values)); }
+    std::vector<T> download(std::size_t count) const { return {data_.get(), data_.get() + count}; }
+    T* data() { return data_.get(); }
+    const T* data() const { return data_.get(); }
+    std::size_t size() const { return count_; }
+
+   private:
+    std::unique_ptr<T[]> data_;
+    std::size_t count_ = 0;
+  };
+
+  template <class Body>
+  void launch(std::uint32_t n, const Body& body) const {
+    constexpr std::uint32_t threads = 128;
+    for_each((n + threads - 1) / threads, [&](std::uint32_t block) {
+      for_each(threads, [&](std::uint32_t thread) {
+        const std::uint64_t i = std::uint64_t{block} * threads + thread;
+        if (i < n) body(static_cast<std::uint32_t>(i));
+      });
+    });
+  }
+
+  template <class Body>
+  void launch_blocks(std::uint32_t blocks, const Body& body) const {
+    for_each(blocks, [&](std::uint32_t block) {
+      const auto shared = std::make_unique<typename Body::Value[]>(Body::threads);
+      for (int phase = 0; phase < Body::phases; ++phase) {
+        for_each(Body::threads, [&](std::uint32_t thread) { body(phase, block, thread, shared.get()); });
+      }
+    });
+  }
+
+  void prepare_sums(std::uint32_t) const {}
+  void exclusive_sum(const std::uint32_t* in, std::uint32_t* out, std::uint32_t n) const {
+    std::uint32_t sum = 0;
+    for (std::uint32_t i = 0; i < n; ++i) {
+      out[i] = sum;
+      sum += in[i];
+    }
+  }
+
+  template <class Enqueue>
+  void replay(int, const Enqueue& enqueue) const {
+    enqueue();
+  }
+  void forget() const {}
+
+ private:
+  template <class F>
+  void for_each(std::uint32_t count, const F& f) const {
+    for (std::uint32_t k = 0; k < count; ++k) {
+      if (order_ == LaunchOrder::forward) f(k);
+      if (order_ == LaunchOrder::backward) f(count - 1 - k);
+    }
+    if (order_ != LaunchOrder::scattered) return;
+    // Strides of 7: 0, 7, 14, …, then 1, 8, …
+    for (std::uint32_t first = 0; first < 7; ++first) {
+      for (std::uint64_t k = first; k < count; k += 7) f(static_cast<std::uint32_t>(k));
+    }
+  }
+
+  LaunchOrder order_;
+};
+
+}  // namespace abn::sph_cuda
