@@ -107,6 +107,7 @@ class CudaDevice {
     graphs_.clear();
     seen_.clear();
   }
+  cudaStream_t stream() const { return stream_.get(); }
 
  private:
   struct DestroyStream {

@@ -2,6 +2,7 @@
 //
 // Every ABN_HD function that the engine's kernels are made of is run on random inputs by a kernel and by the host, by
 // the same code. Integers and placements must be equal, floats within 1e-6 relative, sums over neighbours within 1e-5.
+// Then whole engines: selftest_engine.h. With the word `large`, up to 20 million particles.
 // Exit status: 0 all equal, 1 a mismatch or a CUDA error, 77 no device (the status by which ctest skips a test).
 #include <cmath>
 #include <cstdint>
@@ -20,6 +21,7 @@
 #include "sph_cuda/buffer.h"
 #include "sph_cuda/check.h"
 #include "sph_cuda/device.h"
+#include "sph_cuda/selftest_engine.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -301,8 +303,13 @@ bool run() {
 }  // namespace
 }  // namespace abn::sph_cuda
 
-int main() {
+int main(int count, char** words) {
   try {
+    const bool large = count > 1 && std::strcmp(words[1], "large") == 0;
+    if (count > 2 || (count == 2 && !large)) {
+      std::fprintf(stderr, "usage: abn_selftest [large]\n");
+      return 2;
+    }
     const auto devices = abn::sph_cuda::list_devices();
     if (devices.empty()) {
       std::printf("abn_selftest: no CUDA device here; nothing was tested\n");
@@ -313,6 +320,7 @@ int main() {
       abn::sph_cuda::check(cudaSetDevice(device.index), "cudaSetDevice");
       std::printf("device %d: %s\n", device.index, abn::sph_cuda::describe_device(device).c_str());
       good &= abn::sph_cuda::run();
+      good &= abn::sph_cuda::run_engine_tests(large);
     }
     std::printf("%s\n", good ? "the devices compute what the host computes" : "MISMATCH between host and device");
     return good ? 0 : 1;
