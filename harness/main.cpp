@@ -100,7 +100,7 @@ struct CommandLine {
     return names;
   }
   void add_global(CLI::App* command) {
-    command->add_option("--backend", global.backend, "engine of the SPH strategies: auto, cpu or cuda")
+    command->add_option("--backend", global.backend, "engine of the SPH strategies: cpu, cuda, or auto = a CUDA device if there is one")
         ->capture_default_str();
     command->add_option("--threads", global.threads, "number of threads; 0 = all cores")
         ->check(whole(0, 4096))

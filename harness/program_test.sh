@@ -412,6 +412,17 @@ other_verbs() {
   mkdir -p "$work/data/experiments" && cp "$in/many.toml" "$work/data/experiments/mine.toml"
   ABN_DATA=$work/data "$abn" run mine --dry-run >o 2>&1 || fail "ABN_DATA: its experiment is not found: $(cat o)"
   ABN_DATA=relative refused 2 'ABN_DATA.*absolute' downscale scene:apple --strategy jitter
+
+  # --backend auto says in one line that it fell back, where there was something to fall back from; --backend cuda never does.
+  local engine=(downscale scene:smooth --to 20x20 --spp 4 --no-cache)
+  succeeds o "${engine[@]}" --strategy sph_blue_noise
+  [[ ! -s o.err || ($(wc -l <o.err) == 1 && $(<o.err) == *"no CUDA device; SPH relaxes on the CPU"*) ]] || fail "--backend auto: $(cat o.err)"
+  succeeds o "${engine[@]}" --strategy sph_blue_noise --backend cpu
+  [[ ! -s o.err ]] || fail "--backend cpu: $(cat o.err)"
+  succeeds o "${engine[@]}" --strategy jitter
+  [[ ! -s o.err ]] || fail "jitter, which has no engine: $(cat o.err)"
+  succeeds o "${engine[@]}" --strategy sph_blue_noise --quiet
+  [[ ! -s o.err ]] || fail "--quiet and --backend auto: $(cat o.err)"
 }
 
 # Experiments: stopped, killed, cut in shards, resumed.

@@ -209,7 +209,6 @@ int downscale(const GlobalOptions& global, const DownscaleOptions& options) {
   require_estimate(estimate_flag, spec);
   if (!options.guide.empty()) require_guide_matters(spec);
   require_sampler(spec);
-  if (!global.quiet) tell_fallback(spec.backend, strategy_info(spec));
 
   Progress progress("downscale", spec.samples, global.quiet);
   progress.update(0, "loading " + options.image);
@@ -218,6 +217,7 @@ int downscale(const GlobalOptions& global, const DownscaleOptions& options) {
   stop_if_interrupted();
   if (!global.quiet) {
     for (const auto& notice : subject->notices) fmt::print(stderr, "abn: {}: {}\n", options.image, notice);
+    tell_fallback(spec.backend, strategy_info(spec));
   }
   std::vector<std::string> names;
   for (const auto& metric : metrics()) names.push_back(metric.name);

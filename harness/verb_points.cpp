@@ -39,10 +39,6 @@ int points(const GlobalOptions& global, const PointsOptions& options) {
   const PointFormat format = options.format.empty() ? format_for(options.output) : parse_point_format(options.format);
   // All that can be wrong shows before the work: a wrong name must not cost minutes.
   require_points(task);
-  if (!global.quiet) {
-    ParameterWords words = task.parameters;
-    tell_fallback(task.backend, find_strategy(task.strategy, words).info);
-  }
   require_writable(options.output);
   if (!options.picture.empty()) {
     require_writable_image(options.picture);
@@ -56,6 +52,11 @@ int points(const GlobalOptions& global, const PointsOptions& options) {
     task.density = loaded.density;
     for (const auto& notice : loaded.notices)
       if (!global.quiet) fmt::print(stderr, "abn: {}: {}\n", options.density, notice);
+  }
+
+  if (!global.quiet) {
+    ParameterWords words = task.parameters;
+    tell_fallback(task.backend, find_strategy(task.strategy, words).info);
   }
 
   Progress progress(options.strategy, options.count, global.quiet);

@@ -7,8 +7,10 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "sampling/adaptive/sph_adaptive.h"
 #include "sampling/sph/engine_planes.h"
 #include "sampling/sph_blue_noise.h"
 #include "sph_cuda/host_device.h"
@@ -112,20 +114,41 @@ TEST(DeviceSolver, StopsWhereTheCpuEngineStops) {
   }
 }
 
+struct Emitted {
+  std::vector<Vec2f> position;
+  std::string backend;
+};
+
+Emitted emit(const Strategy& strategy, const SamplingTask& task, const ParameterWords& words = {}) {
+  Emitted all;
+  const Grid<PixelStats> unused(task.plane);
+  std::vector<float> values;
+  const auto sampler = strategy.make(task, words);
+  for (;;) {
+    const SampleBatch batch = sampler->next({unused, values});
+    if (batch.empty()) break;
+    values.clear();
+    for (const Vec2f p : batch.position) values.push_back(p.x + 0.2F * p.y > 17.3F ? 1.0F : 0.0F);
+    all.position.insert(all.position.end(), batch.position.begin(), batch.position.end());
+  }
+  for (const Diagnostic& diagnostic : sampler->diagnostics()) {
+    if (diagnostic.name == "backend") all.backend = diagnostic.text;
+  }
+  return all;
+}
+
 TEST(DeviceSolver, StrategiesRunOnIt) {
   SamplingTask task{.plane = {30, 20}, .budget = 3000, .seed = 5, .cache = false};
-  const auto emit = [&] {
-    std::vector<Vec2f> all;
-    const Grid<PixelStats> unused(task.plane);
-    const auto sampler = row<SphBlueNoise>().make(task, {});
-    for (SampleBatch batch = sampler->next({unused}); !batch.empty(); batch = sampler->next({unused})) {
-      all.insert(all.end(), batch.position.begin(), batch.position.end());
-    }
-    return all;
-  };
-  const std::vector<Vec2f> on_cpu = emit();
-  task.solver = host_loop(LaunchOrder::backward);
-  EXPECT_EQ(emit(), on_cpu);
+  const std::pair<Strategy, ParameterWords> all[] = {
+      {row<SphBlueNoise>(), {}}, {row<SphAdaptive>(), {}}, {row<SphAdaptive>(), {{"delta", "0.3"}}}};
+  for (const auto& [strategy, words] : all) {
+    task.solver = nullptr;
+    const Emitted on_cpu = emit(strategy, task, words);
+    task.solver = host_loop(LaunchOrder::backward);
+    const Emitted on_device = emit(strategy, task, words);
+    EXPECT_EQ(on_device.position, on_cpu.position) << strategy.info.name;
+    EXPECT_EQ(on_device.backend, "host loop") << strategy.info.name;
+  }
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ Grid<float> squared_gradient(const Grid<float>& map) {
   return result;
 }
 
-Grid<float> both_drivers(const Grid<float>& a, const Grid<float>& b, double exponent) {
+Grid<float> both_drivers(const Grid<float>& a, const Grid<float>& b, double exponent, double share) {
   assert(a.size() == b.size() && exponent > 0);
   const std::size_t cells = a.cells().size();
   std::vector<double> sum(cells, 0.0);
@@ -82,7 +82,8 @@ Grid<float> both_drivers(const Grid<float>& a, const Grid<float>& b, double expo
     double mean = 0;
     for (const float value : map->cells()) mean += std::pow(double{value}, exponent) / static_cast<double>(cells);
     if (!(mean > 0)) continue;
-    for (std::size_t i = 0; i < cells; ++i) sum[i] += std::pow(double{(*map)[i]}, exponent) / mean;
+    const double part = (map == &a ? 1 - share : share) / mean;
+    for (std::size_t i = 0; i < cells; ++i) sum[i] += part * std::pow(double{(*map)[i]}, exponent);
   }
   Grid<float> both(a.size());
   for (std::size_t i = 0; i < cells; ++i) both[i] = static_cast<float>(std::min(std::pow(sum[i], 1 / exponent), 1e30));

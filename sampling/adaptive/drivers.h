@@ -18,10 +18,10 @@ Grid<float> local_mean(std::span<const Vec2f> position, std::span<const float> v
 /// The squared gradient of a raster [1/cell^2], by central differences.
 Grid<float> squared_gradient(const Grid<float>& map);
 
-/// (a^e / mean a^e + b^e / mean b^e)^(1/e) per cell: the driver that gives half of the density to what each of two
-/// drivers would have it follow, where density grows with driver^e. Values >= 0; one that is 0 everywhere counts for
-/// nothing. Precondition: equal sizes, e > 0.
-Grid<float> both_drivers(const Grid<float>& a, const Grid<float>& b, double exponent);
+/// ((1 - share) a^e / mean a^e + share b^e / mean b^e)^(1/e) per cell: the driver by which that share of the density
+/// goes where b would have it and the rest where a would, where density grows with driver^e. Values >= 0; one that is 0
+/// everywhere counts for nothing. Precondition: equal sizes, e > 0, share in [0, 1].
+Grid<float> both_drivers(const Grid<float>& a, const Grid<float>& b, double exponent, double share);
 
 /// At least 1 and in all `count` points in every pixel, their numbers by `density` [1/px^2] and seeded systematic
 /// rounding, inside a pixel the first points of an Owen-scrambled Sobol sequence with its own seed: each is uniform in

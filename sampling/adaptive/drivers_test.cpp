@@ -49,22 +49,22 @@ TEST(SquaredGradient, OfALinearMapIsConstant) {
   EXPECT_EQ(squared_gradient(Grid<float>({1, 1}, 2.0F))[0], 0);
 }
 
-TEST(BothDrivers, GivesEachHalfOfTheDensity) {
+TEST(BothDrivers, GivesEachItsShareOfTheDensity) {
   Grid<float> a({2, 2}, 0.0F);
   Grid<float> b({2, 2}, 0.0F);
   a[0] = 1e-8F;
   b[1] = 4e20F;
   b[2] = 1e20F;
   for (const double exponent : {0.25, 0.5, 1.0}) {
-    const Grid<float> both = both_drivers(a, b, exponent);
+    const Grid<float> both = both_drivers(a, b, exponent, 0.25);
     const auto density = [&](std::size_t i) { return std::pow(double{both[i]}, exponent); };
-    EXPECT_NEAR(density(0), 4, 1e-4) << exponent;
-    EXPECT_NEAR(density(1) + density(2), 4, 1e-4) << exponent;
+    EXPECT_NEAR(density(0), 3, 1e-4) << exponent;
+    EXPECT_NEAR(density(1) + density(2), 1, 1e-4) << exponent;
     EXPECT_NEAR(density(1) / density(2), std::pow(4, exponent), 1e-4) << exponent;
     EXPECT_EQ(both[3], 0);
   }
-  EXPECT_EQ(both_drivers(a, Grid<float>({2, 2}, 0.0F), 1)[0], 4);
-  EXPECT_EQ(both_drivers(Grid<float>({2, 2}, 0.0F), Grid<float>({2, 2}, 0.0F), 0.5)[0], 0);
+  EXPECT_EQ(both_drivers(a, Grid<float>({2, 2}, 0.0F), 1, 0.5)[0], 2);
+  EXPECT_EQ(both_drivers(Grid<float>({2, 2}, 0.0F), Grid<float>({2, 2}, 0.0F), 0.5, 0.5)[0], 0);
 }
 
 TEST(DrawPerPixel, GivesEveryPixelOneAndTheRestByDensity) {

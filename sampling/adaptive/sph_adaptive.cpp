@@ -76,9 +76,10 @@ std::vector<Field<SphAdaptive::Params>> SphAdaptive::fields() {
       choice_field<P>("boundary", &P::boundary, "of the passes: a ring of ghost particles, or opposite sides joined",
                       {"ghost", "periodic"}),
       choice_field<P>("tone", &P::tone,
-                      "allocate by the variance of x / (1 + x) (what is displayed), of x (linear light), half by "
-                      "either, or auto: both for HDR, else linear",
+                      "allocate by the variance of x / (1 + x) (what is displayed), of x (linear light), both, or "
+                      "auto: both for HDR, else linear",
                       {"auto", "displayed", "linear", "both"}),
+      {"light_share", &P::light_share, "tone = both: share of the density that follows linear light", 0.0, 1.0},
       {"calibrate", &P::calibrate,
        "the picture's mean is corrected by the samples that were placed uniformly; not for HDR"},
       {"unbiased", &P::unbiased, "the samples that decided where to look are discarded"},
@@ -173,7 +174,7 @@ std::vector<Vec2f> SphAdaptive::first_samples() {
 
 Grid<float> SphAdaptive::driver_map() const {
   if (params_.driver == "guide") return resampled(*task_.guide, density_.size());
-  if (both_lights_) return both_drivers(driver_of(value_), driver_of(light_), params_.exponent);
+  if (both_lights_) return both_drivers(driver_of(value_), driver_of(light_), params_.exponent, params_.light_share);
   return driver_of(value_);
 }
 

@@ -20,7 +20,7 @@ namespace abn {
 /// - the variance is that of the nearest samples on a map finer than the pixels, not of the two or three in a pixel;
 /// - density grows with V^0.5 as for independent samples (Neyman 1934), not with (a V + c)^2 (eqs. 2.19, 4.1), and
 ///   stays below a multiple of the mean;
-/// - for HDR density follows the variance of what is displayed and that of linear light by halves;
+/// - for HDR density follows the variance of what is displayed and, to a share, that of linear light;
 /// - part of the budget bisects differences between neighbours on a Gabriel graph where straight edges dominate;
 /// - the picture is reconstructed by kriging with edges, not by the mean of each pixel.
 class SphAdaptive final : public Sampler {
@@ -46,6 +46,7 @@ class SphAdaptive final : public Sampler {
     std::string refine = "auto";
     std::string boundary = "ghost";
     std::string tone = "auto";
+    double light_share = 0.15;
     bool calibrate = true;
     bool unbiased = false;
   };
