@@ -5,12 +5,14 @@
 #include <atomic>
 #include <cstdio>
 #include <memory>
+#include <span>
 
 #include "sampling/error.h"
 
 #ifdef ABN_HAVE_CUDA
 #include "sph_cuda/device.h"
 #include "sph_cuda/solver.h"
+#include "sph_cuda/variance_map.h"
 #endif
 
 namespace abn::harness {
@@ -31,14 +33,30 @@ std::unique_ptr<sph::Solver> cuda_if_possible(const sph::Setup& setup) {
   }
 }
 
+VarianceMap variance_map_on_cuda(bool must) {
+  return [must, on_device = sph_cuda::make_cuda_variance_map()](std::span<const Vec2f> position,
+                                                                std::span<const float> value, std::uint32_t channels,
+                                                                Extent plane, Extent map, int neighbours) {
+    try {
+      return on_device(position, value, channels, plane, map, neighbours);
+    } catch (const DeviceError& error) {
+      if (must) throw;
+      say_once(fmt::format("{}; the CPU takes over", error.what()));
+      return local_variance(position, value, channels, plane, map, neighbours);
+    }
+  };
+}
+
 Backend with_cuda(bool must) {
-  if (!sph_cuda::list_devices().empty()) return {"cuda", must ? sph_cuda::make_cuda_solver : cuda_if_possible};
-  if (!must) return {"cpu", nullptr, "no CUDA device; SPH relaxes on the CPU"};
+  if (!sph_cuda::list_devices().empty()) {
+    return {"cuda", must ? sph_cuda::make_cuda_solver : cuda_if_possible, variance_map_on_cuda(must)};
+  }
+  if (!must) return {"cpu", nullptr, nullptr, "no CUDA device; SPH relaxes on the CPU"};
   throw DeviceError("--backend cuda: there is no CUDA device here, or no driver for it; use --backend cpu");
 }
 #else
 Backend with_cuda(bool must) {
-  if (!must) return {"cpu", nullptr};
+  if (!must) return {"cpu", nullptr, nullptr};
   throw DeviceError(
       "--backend cuda: this program was built without CUDA; use --backend cpu, or build it where nvcc is on the PATH");
 }
@@ -55,7 +73,7 @@ std::string describe_gpu() {
 }
 
 Backend resolve_backend(const std::string& word) {
-  if (word == "cpu") return {"cpu", nullptr};
+  if (word == "cpu") return {"cpu", nullptr, nullptr};
   if (word == "auto" || word == "cuda") return with_cuda(word == "cuda");
   throw ConfigError(fmt::format("--backend is '{}'; known: auto cpu cuda", word));
 }

@@ -11,6 +11,7 @@ namespace abn::harness {
 struct Backend {
   std::string name;            // cpu | cuda
   sph::SolverFactory factory;  // null = the CPU engine
+  VarianceMap variance_map;    // likewise
   std::string note = {};       // why `auto` is not the GPU that this program was built for; empty = it is, or it was not
 };
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sampling/adaptive/local_variance.h"
 #include "sampling/grid.h"
 #include "sampling/pixel_filter.h"
 #include "sampling/sph/solver.h"
@@ -23,6 +24,7 @@ struct SamplingTask {
   std::uint64_t budget = 0;  // exact number of samples, >= 1
   std::uint64_t seed = 1;
   sph::SolverFactory solver = nullptr;  // backend of the SPH strategies; null = CPU
+  VarianceMap variance_map = nullptr;   // likewise of sph_adaptive's search for variance
   /// Relative density wanted over the plane, cell by cell (any resolution), >= 0; null = uniform. Only strategies whose
   /// StrategyInfo says `density` look at it.
   std::shared_ptr<const Grid<float>> density = nullptr;

@@ -8,36 +8,13 @@
 #include <vector>
 
 #include "sampling/adaptive/nearest_samples.h"
+#include "sampling/adaptive/variance_of_samples.h"
 
 namespace abn {
 namespace {
 
-// Far enough below the largest float that sums over a window stay finite.
-constexpr double largest_variance = 1e36;
-
 /// Fewer samples than this per cell cost empty cells, more cost distances.
 constexpr double samples_per_cell = 2;
-
-/// Of the samples found near one place, the mean over channels.
-float variance_of(const NearestSamples::Search& search, int lane, std::span<const float> value,
-                  std::uint32_t channels) {
-  const int count = search.count();
-  double sum = 0;
-  for (std::uint32_t channel = 0; channel < channels; ++channel) {
-    std::array<double, NearestSamples::most_neighbours> v;
-    double mean = 0;
-    for (int k = 0; k < count; ++k) {
-      v[static_cast<std::size_t>(k)] = double{value[std::size_t{search.index(lane, k)} * channels + channel]};
-      mean += v[static_cast<std::size_t>(k)];
-    }
-    mean /= count;
-    for (int k = 0; k < count; ++k) {
-      const double deviation = v[static_cast<std::size_t>(k)] - mean;
-      sum += deviation * deviation;
-    }
-  }
-  return static_cast<float>(std::min(sum / ((count - 1.0) * channels), largest_variance));
-}
 
 /// One row of the raster, smoothed along itself.
 void blur_row(const float* row, std::size_t width, float* out) {
@@ -73,7 +50,8 @@ Grid<float> local_variance(std::span<const Vec2f> position, std::span<const floa
       if (search.count() < 2) continue;
       const std::uint32_t used = std::min<std::uint32_t>(NearestSamples::lanes, map.width - x);
       for (std::uint32_t lane = 0; lane < used; ++lane) {
-        variance.at(x + lane, row) = variance_of(search, static_cast<int>(lane), value, channels);
+        variance.at(x + lane, row) = variance_of_samples(
+            search.count(), [&](int k) { return search.index(static_cast<int>(lane), k); }, value.data(), channels);
       }
     }
   }

@@ -182,7 +182,8 @@ Grid<float> SphAdaptive::driver_of(const std::vector<float>& value) const {
   const Extent size = density_.size();
   Grid<float> map;
   if (params_.driver == "variance") {
-    map = local_variance(position_, value, channels_, task_.plane, size, params_.neighbours);
+    map = task_.variance_map ? task_.variance_map(position_, value, channels_, task_.plane, size, params_.neighbours)
+                             : local_variance(position_, value, channels_, task_.plane, size, params_.neighbours);
   } else {
     // A bell of about the neighbours' number of samples.
     const double spp = static_cast<double>(position_.size()) / static_cast<double>(size.area());

@@ -1,0 +1,69 @@
+// The device's variance map without a device, bit for bit against local_variance().
+#include "sph_cuda/variance_engine.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "sampling/adaptive/local_variance.h"
+#include "sampling/rng.h"
+#include "sph_cuda/host_device.h"
+
+namespace abn::sph_cuda {
+namespace {
+
+struct Samples {
+  std::vector<Vec2f> position;
+  std::vector<float> value;
+};
+
+/// A fifth of them crowded in a corner, some at the same place.
+Samples samples_of(Extent plane, std::uint32_t n, std::uint32_t channels) {
+  Samples samples;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    Rng rng(5, 6, i);
+    Vec2f at = to_plane(rng.uniform2(), plane);
+    if (i % 5 == 0) at = at * 0.02F;
+    if (i % 50 == 1) at = {static_cast<float>(plane.width) / 2, 0.5F};
+    samples.position.push_back(at);
+    for (std::uint32_t c = 0; c < channels; ++c) samples.value.push_back(rng.uniform() > 0.7F ? rng.uniform() : 0.25F);
+  }
+  return samples;
+}
+
+std::vector<float> values_of(const Grid<float>& map) { return {map.cells().begin(), map.cells().end()}; }
+
+TEST(VarianceEngine, EqualsLocalVarianceBitForBit) {
+  VarianceEngine<HostDevice> forward{HostDevice()};
+  VarianceEngine<HostDevice> scattered{HostDevice(LaunchOrder::scattered)};
+  for (const Extent plane : {Extent{40, 30}, Extent{3, 200}, Extent{1, 1}}) {
+    for (const std::uint32_t n : {1U, 2U, 7U, 100U, 5000U}) {
+      for (const std::uint32_t channels : {1U, 3U}) {
+        const Samples samples = samples_of(plane, n, channels);
+        for (const int neighbours : {1, 2, 8, 32}) {
+          const Extent map{2 * plane.width, 2 * plane.height};
+          const std::string where = std::to_string(plane.width) + " wide, " + std::to_string(n) + " samples, " +
+                                    std::to_string(neighbours) + " neighbours";
+          const std::vector<float> expected =
+              values_of(local_variance(samples.position, samples.value, channels, plane, map, neighbours));
+          EXPECT_EQ(values_of(forward(samples.position, samples.value, channels, plane, map, neighbours)), expected)
+              << where;
+          EXPECT_EQ(values_of(scattered(samples.position, samples.value, channels, plane, map, neighbours)), expected)
+              << where;
+        }
+      }
+    }
+  }
+}
+
+TEST(VarianceEngine, HugeValuesStayFinite) {
+  Samples samples = samples_of({20, 20}, 500, 1);
+  for (std::size_t i = 0; i < samples.value.size(); i += 3) samples.value[i] = i % 2 == 0 ? 1e30F : -1e30F;
+  VarianceEngine<HostDevice> engine{HostDevice()};
+  EXPECT_EQ(values_of(engine(samples.position, samples.value, 1, {20, 20}, {40, 40}, 8)),
+            values_of(local_variance(samples.position, samples.value, 1, {20, 20}, {40, 40}, 8)));
+}
+
+}  // namespace
+}  // namespace abn::sph_cuda

@@ -1,0 +1,25 @@
+#include "sph_cuda/variance_map.h"
+
+#include <memory>
+
+#include "sampling/error.h"
+#include "sph_cuda/cuda_device.h"
+#include "sph_cuda/device.h"
+#include "sph_cuda/variance_engine.h"
+
+namespace abn::sph_cuda {
+
+VarianceMap make_cuda_variance_map() {
+  // Made when first called: until then no device is touched.
+  const auto engine = std::make_shared<std::unique_ptr<VarianceEngine<CudaDevice>>>();
+  return [engine](std::span<const Vec2f> position, std::span<const float> value, std::uint32_t channels, Extent plane,
+                  Extent map, int neighbours) {
+    if (!*engine) {
+      if (list_devices().empty()) throw DeviceError("there is no CUDA device (or no driver for it); use --backend cpu");
+      *engine = std::make_unique<VarianceEngine<CudaDevice>>();
+    }
+    return (**engine)(position, value, channels, plane, map, neighbours);
+  };
+}
+
+}  // namespace abn::sph_cuda
