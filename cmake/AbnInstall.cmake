@@ -1,7 +1,7 @@
 # Installed: headers and libraries of abn::sampling and abn::analysis, the program, its data. Two tests guard the frame itself.
 include(CMakePackageConfigHelpers)
 install(TARGETS abn_sampling abn_analysis EXPORT abnTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY sampling DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/abn FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY sampling DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/abn FILES_MATCHING PATTERN "*.h" PATTERN "test_*.h" EXCLUDE)
 install(EXPORT abnTargets NAMESPACE abn:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/abn)
 configure_package_config_file(cmake/abnConfig.cmake.in ${PROJECT_BINARY_DIR}/abnConfig.cmake INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/abn)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/abnConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -10,7 +10,10 @@
 #include <memory>
 #include <system_error>
 
+#include "harness/backend.h"
+#include "harness/spec.h"
 #include "sampling/error.h"
+#include "sampling/strategy.h"
 
 namespace abn::harness {
 
@@ -85,6 +88,13 @@ std::size_t count_jobs(const std::vector<Job>& jobs, const ExperimentOptions& op
   std::size_t count = 0;
   for (std::size_t i = 0; i < jobs.size(); ++i) count += is_mine(i, options) && !file.has(jobs[i].key) ? 1 : 0;
   return count;
+}
+
+void tell_fallbacks(const std::string& backend, const std::vector<StrategyChoice>& strategies) {
+  for (const StrategyChoice& choice : strategies) {
+    ParameterWords words = choice.parameters;
+    tell_fallback(backend, find_strategy(choice.name, words).info);
+  }
 }
 
 LoopOutcome run_jobs(const std::string& experiment, const std::vector<Job>& jobs, const ExperimentOptions& options,

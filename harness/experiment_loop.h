@@ -56,6 +56,9 @@ struct LoopOutcome {
 LoopOutcome run_jobs(const std::string& experiment, const std::vector<Job>& jobs, const ExperimentOptions& options,
                      RowFile& file, Progress& progress);
 
+/// tell_fallback() for the strategies of an experiment.
+void tell_fallbacks(const std::string& backend, const std::vector<StrategyChoice>& strategies);
+
 /// How many of the jobs are to be done.
 std::size_t count_jobs(const std::vector<Job>& jobs, const ExperimentOptions& options, const RowFile& file);
 

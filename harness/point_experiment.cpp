@@ -111,6 +111,7 @@ ExperimentOutcome run_experiment(const PointExperimentSpec& spec, const Experime
                     .detail = fmt::format("{} N={} seed {}", run_spec.label, run_spec.task.count, run_spec.task.seed),
                     .work = [&do_run, &run_spec] { return do_run(run_spec); }});
   }
+  if (!options.quiet) tell_fallbacks(spec.backend, spec.strategies);
   Progress progress(spec.name, count_jobs(jobs, options, file), options.quiet);
   const LoopOutcome loop = run_jobs(spec.name, jobs, options, file, progress);
 

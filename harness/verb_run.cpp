@@ -3,7 +3,6 @@
 
 #include <charconv>
 
-#include "harness/backend.h"
 #include "harness/experiment.h"
 #include "harness/point_experiment.h"
 #include "harness/verbs.h"
@@ -49,12 +48,6 @@ int run_spec(const GlobalOptions& global, const RunOptions& options, Spec spec) 
     return 0;
   }
 
-  if (!global.quiet) {
-    for (const auto& choice : spec.strategies) {
-      ParameterWords words = choice.parameters;
-      tell_fallback(spec.backend, find_strategy(choice.name, words).info);
-    }
-  }
   const ExperimentOutcome outcome = run_experiment(spec, experiment);
   if (!global.json) {
     fmt::print("{}{}\n\n{}", spec.title, spec.thesis.empty() ? "" : " (thesis " + spec.thesis + ")", outcome.table);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sampling/adaptive/sph_adaptive.h"
-#include "sampling/sph/engine_planes.h"
+#include "sampling/sph/test_engines.h"
 #include "sampling/sph_blue_noise.h"
 #include "sph_cuda/host_device.h"
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "sampling/sph/engine_planes.h"
 #include "sampling/sph/problem.h"
 #include "sampling/sph/size_field_cases.h"
 #include "sampling/sph/solver.h"
+#include "sampling/sph/test_engines.h"
 #include "sampling/sph/test_planes.h"
 
 namespace abn::sph {
