@@ -33,23 +33,27 @@ std::unique_ptr<sph::Solver> cuda_if_possible(const sph::Setup& setup) {
   }
 }
 
-VarianceMap variance_map_on_cuda(bool must) {
-  return [must, on_device = sph_cuda::make_cuda_variance_map()](std::span<const Vec2f> position,
-                                                                std::span<const float> value, std::uint32_t channels,
-                                                                Extent plane, Extent map, int neighbours) {
+/// The device's variance map, or where that fails the CPU's.
+class VarianceMapIfPossible {
+ public:
+  Grid<float> operator()(std::span<const Vec2f> position, std::span<const float> value, std::uint32_t channels,
+                         Extent plane, Extent map, int neighbours) const {
     try {
-      return on_device(position, value, channels, plane, map, neighbours);
+      return on_device_(position, value, channels, plane, map, neighbours);
     } catch (const DeviceError& error) {
-      if (must) throw;
       say_once(fmt::format("{}; the CPU takes over", error.what()));
       return local_variance(position, value, channels, plane, map, neighbours);
     }
-  };
-}
+  }
+
+ private:
+  VarianceMap on_device_ = sph_cuda::make_cuda_variance_map();
+};
 
 Backend with_cuda(bool must) {
   if (!sph_cuda::list_devices().empty()) {
-    return {"cuda", must ? sph_cuda::make_cuda_solver : cuda_if_possible, variance_map_on_cuda(must)};
+    if (must) return {"cuda", sph_cuda::make_cuda_solver, sph_cuda::make_cuda_variance_map()};
+    return {"cuda", cuda_if_possible, VarianceMapIfPossible()};
   }
   if (!must) return {"cpu", nullptr, nullptr, "no CUDA device; SPH relaxes on the CPU"};
   throw DeviceError("--backend cuda: there is no CUDA device here, or no driver for it; use --backend cpu");

@@ -21,8 +21,9 @@
 namespace abn {
 namespace {
 
-constexpr double forces_alone = 1e6;          // from this delta on pressures are equal and no density is summed
-constexpr std::uint64_t fewest_samples = 64;  // with fewer there is no map to speak of
+constexpr double forces_alone = 1e6;           // from this delta on pressures are equal and no density is summed
+constexpr double gate_less_per_sample = 0.12;  // few samples measure the variance badly: adapting must promise more
+constexpr std::uint64_t fewest_samples = 64;   // with fewer there is no map to speak of
 
 Extent map_size(Extent plane, double cells_per_pixel) {
   const auto cells = [&](std::uint32_t side) {
@@ -59,7 +60,9 @@ std::vector<Field<SphAdaptive::Params>> SphAdaptive::fields() {
       {"most_ratio", &P::most_ratio, "largest density, relative to the mean", 1.0, 1000.0},
       {"floor", &P::floor, "added to the driver, relative to its mean: what is spent where nothing was seen", 1e-6,
        10.0},
-      {"gate", &P::gate, "above this (mean sqrt V)^2 / mean V the rest is spent uniformly; 1 = never", 0.0, 1.0},
+      {"gate", &P::gate,
+       "above this (mean sqrt V)^2 / mean V, less 0.12 / (samples per pixel), the rest is spent uniformly; 1 = never",
+       0.0, 1.0},
       {"neighbours", &P::neighbours, "samples that a local variance is taken of", 3, 32},
       {"map_cells", &P::map_cells, "cells of the maps per pixel side", 0.1, 8.0},
       {"blur", &P::blur, "1-2-1 passes over the driver", 0, 16},
@@ -213,7 +216,7 @@ std::vector<Vec2f> SphAdaptive::next_samples() {
     }
     if (pass_ == 0) {
       uniform_share_ = uniform_share(driver_map());
-      gated_ = uniform_share_ > params_.gate;
+      gated_ = params_.gate < 1 && uniform_share_ > params_.gate - gate_less_per_sample / samples_per_pixel();
       if (gated_ && !task_.small_steps) {
         uniform_samples_ = 0;
         return std::move(rest_);
@@ -228,6 +231,11 @@ std::vector<Vec2f> SphAdaptive::next_samples() {
   const double step = static_cast<double>(task_.budget - refined_from_) / params_.refine_passes;
   const auto passes_left = std::max(1.0, params_.refine_passes - std::round(done / step));
   return refine(static_cast<std::uint64_t>(std::ceil(static_cast<double>(left) / passes_left)));
+}
+
+double SphAdaptive::samples_per_pixel() const {
+  const std::uint64_t samples = task_.small_steps ? position_.size() : task_.budget;
+  return static_cast<double>(samples) / static_cast<double>(task_.plane.area());
 }
 
 Grid<float> SphAdaptive::weights_of(const Grid<float>& variance) const {

@@ -33,7 +33,7 @@ class SphAdaptive final : public Sampler {
     int passes = 3;
     double most_ratio = 16;
     double floor = 0.02;
-    double gate = 0.85;
+    double gate = 0.87;
     int neighbours = 8;
     double map_cells = 2;
     int blur = 1;
@@ -68,6 +68,7 @@ class SphAdaptive final : public Sampler {
   void remember(const Feedback& seen);
   std::vector<Vec2f> first_samples();
   std::vector<Vec2f> next_samples();
+  double samples_per_pixel() const;
   Grid<float> driver_map() const;
   Grid<float> driver_of(const std::vector<float>& value) const;
   Grid<float> weights_of(const Grid<float>& variance) const;

@@ -96,6 +96,22 @@ TEST(SphAdaptive, IsPlainBlueNoiseWhereThereIsNothingToAdaptTo) {
   }
 }
 
+TEST(SphAdaptive, GatesTheMoreTheFewerSamplesThereAre) {
+  // Noise whose amplitude differs the more the steeper it is: between all to adapt to and nothing.
+  bool opened_later = false;
+  for (const float steepness : {1.0F, 1.4F, 1.8F}) {
+    const Image image = [&](Vec2f p) { return noise(p) * std::exp(-steepness * p.x / 32); };
+    std::vector<double> gated;
+    for (const double spp : {2.0, 4.0, 16.0}) {
+      const Played played = play(task_of({32, 32}, spp), image);
+      gated.push_back(diagnostic(played, "gated"));
+      EXPECT_EQ(gated.back(), diagnostic(played, "uniform_share") > 0.87 - 0.12 / spp ? 1 : 0) << steepness;
+    }
+    opened_later |= gated.front() == 1 && gated.back() == 0;
+  }
+  EXPECT_TRUE(opened_later);
+}
+
 TEST(SphAdaptive, IsPlainBlueNoiseBelowTwoSamplesPerPixel) {
   const SamplingTask task = task_of({24, 20}, 1);
   EXPECT_TRUE(sorted_equal(play(task, edge).position, draw<SphBlueNoise>(task.plane, task.budget, task.seed)));
