@@ -76,8 +76,9 @@ struct FindVariance {
   float* variance;        // [map]
 
   ABN_HD void operator()(std::uint32_t i) const {
-    const float x = static_cast<float>((i % map_width + 0.5) * step_x);
-    const float y = static_cast<float>((i / map_width + 0.5) * step_y);
+    const std::uint32_t map_row = i / map_width;
+    const float x = static_cast<float>((i - map_row * map_width + 0.5) * step_x);
+    const float y = static_cast<float>((map_row + 0.5) * step_y);
     Nearest nearest;
     const std::int32_t column = cells.column(x);
     const std::int32_t row = cells.row(y);
