@@ -25,8 +25,7 @@ struct Played {
 
 Played play(const SamplingTask& task, const Image& image, const ParameterWords& words = {}) {
   const Strategy strategy = row<SphAdaptive>();
-  ParameterWords all = words;
-  const auto sampler = strategy.make(task, all);
+  const auto sampler = strategy.make(task, words);
   const Grid<PixelStats> unused(task.plane);
   Played played;
   std::vector<float> last;
