@@ -141,6 +141,16 @@ TEST(Run, WrongWordsAreRefusedWithTheirRemedy) {
   EXPECT_THROW(validate(cuda), DeviceError);
 }
 
+TEST(Run, CorrectsTheMeanOfAnAdaptivePicture) {
+  const auto subject = load_subject(subject_for("scene:lines_47", {100, 100}));
+  RunSpec spec = spec_for("sph_adaptive", "scene:lines_47", {100, 100}, 60000);
+  const RunResult corrected = run(spec, *subject, {"bias"});
+  spec.parameters["calibrate"] = "false";
+  const RunResult plain = run(spec, *subject, {"bias"});
+  EXPECT_LT(plain.scores[0].value, -0.005);
+  EXPECT_LT(std::abs(corrected.scores[0].value), 0.003);
+}
+
 TEST(Run, AnalyticAppleIsMeasuredAgainstItsMonteCarloTruth) {
   SubjectSpec subject_spec = subject_for("scene:apple_analytic", {16, 16});
   subject_spec.integrand = "analytic";
