@@ -5,11 +5,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
+#include <map>
 #include <memory>
 #include <set>
 #include <type_traits>
-#include <unordered_map>
 #include <utility>
 
 #include "sph_cuda/buffer.h"
@@ -17,7 +18,8 @@
 
 namespace abn::sph_cuda {
 
-inline constexpr std::uint32_t threads_per_block = 128;  // of launches by index
+inline constexpr std::uint32_t threads_per_block = 128;          // of launches by index
+inline constexpr std::size_t shared_without_asking = 48 * 1024;  // bytes that every block may have
 
 /// Launch: one thread per index, no shared memory. Writes what the body says it writes.
 template <class Body>
@@ -26,13 +28,13 @@ __global__ void __launch_bounds__(threads_per_block) run_indices(Body body, std:
   if (i < n) body(static_cast<std::uint32_t>(i));
 }
 
-/// Launch: Body::threads per block, shared memory for a Body::Value of each, a barrier after every phase.
+/// Launch: Body::threads per block, body.shared_bytes() of shared memory, a barrier after every phase.
 template <class Body>
 __global__ void __launch_bounds__(Body::threads) run_blocks(Body body) {
-  __shared__ alignas(16) unsigned char memory[Body::threads * sizeof(typename Body::Value)];
-  auto* shared = reinterpret_cast<typename Body::Value*>(memory);
-  for (int phase = 0; phase < Body::phases; ++phase) {
-    body(phase, blockIdx.x, threadIdx.x, shared);
+  extern __shared__ uint4 shared_memory[];  // aligned for whatever a body keeps there
+  const int phases = body.phases(blockIdx.x);
+  for (int phase = 0; phase < phases; ++phase) {
+    body(phase, blockIdx.x, threadIdx.x, static_cast<void*>(shared_memory));
     __syncthreads();
   }
 }
@@ -59,26 +61,53 @@ class CudaDevice {
 
   template <class Body>
   void launch_blocks(std::uint32_t blocks, const Body& body) {
-    run_blocks<<<blocks, Body::threads, 0, stream_.get()>>>(body);
+    if (blocks == 0) return;
+    const std::size_t bytes = body.shared_bytes();
+    if (bytes > shared_without_asking) {
+      check(
+          cudaFuncSetAttribute(run_blocks<Body>, cudaFuncAttributeMaxDynamicSharedMemorySize, static_cast<int>(bytes)),
+          "shared memory of a block");
+    }
+    run_blocks<<<blocks, Body::threads, bytes, stream_.get()>>>(body);
     check(cudaGetLastError(), "kernel launch");
   }
 
-  /// Makes room for sums of up to n values: nothing can be allocated while a graph is recorded.
+  /// Makes room for sums of up to n values (pairs, below): nothing can be allocated while a graph is recorded.
   void prepare_sums(std::uint32_t n) {
     std::size_t bytes = 0;
     const std::uint32_t* in = nullptr;
     std::uint32_t* out = nullptr;
     check(cub::DeviceScan::ExclusiveSum(nullptr, bytes, in, out, n, stream_.get()), "cub::DeviceScan");
-    if (bytes > sum_memory_.size()) sum_memory_.reset(bytes);
+    reserve(bytes);
   }
   void exclusive_sum(const std::uint32_t* in, std::uint32_t* out, std::uint32_t n) {
-    std::size_t bytes = sum_memory_.size();
-    check(cub::DeviceScan::ExclusiveSum(sum_memory_.data(), bytes, in, out, n, stream_.get()), "cub::DeviceScan");
+    std::size_t bytes = scratch_.size();
+    check(cub::DeviceScan::ExclusiveSum(scratch_.data(), bytes, in, out, n, stream_.get()), "cub::DeviceScan");
+  }
+  void prepare_sort(std::uint32_t n) {
+    std::size_t bytes = 0;
+    const std::uint64_t* key = nullptr;
+    const std::uint32_t* value = nullptr;
+    std::uint64_t* sorted_key = nullptr;
+    std::uint32_t* sorted_value = nullptr;
+    check(
+        cub::DeviceRadixSort::SortPairs(nullptr, bytes, key, sorted_key, value, sorted_value, n, 0, 64, stream_.get()),
+        "cub::DeviceRadixSort");
+    reserve(bytes);
+  }
+  void sort_pairs(const std::uint64_t* key, std::uint64_t* sorted_key, const std::uint32_t* value,
+                  std::uint32_t* sorted_value, std::uint32_t n) {
+    if (n == 0) return;
+    std::size_t bytes = scratch_.size();
+    check(cub::DeviceRadixSort::SortPairs(scratch_.data(), bytes, key, sorted_key, value, sorted_value, n, 0, 64,
+                                          stream_.get()),
+          "cub::DeviceRadixSort");
   }
 
   /// The first time launches as it is told, the second time records a graph: for a single batch that would not pay.
   template <class Enqueue>
-  void replay(int key, const Enqueue& enqueue) {
+  void replay(const void* owner, int number, const Enqueue& enqueue) {
+    const Key key{owner, number};
     if (const auto known = graphs_.find(key); known != graphs_.end()) {
       check(cudaGraphLaunch(known->second.get(), stream_.get()), "cudaGraphLaunch");
       return;
@@ -103,13 +132,21 @@ class CudaDevice {
     const auto placed = graphs_.emplace(key, Executable(executable)).first;
     check(cudaGraphLaunch(placed->second.get(), stream_.get()), "cudaGraphLaunch");
   }
-  void forget() {
-    graphs_.clear();
-    seen_.clear();
+  void forget(const void* owner) {
+    std::erase_if(graphs_, [&](const auto& known) { return known.first.first == owner; });
+    std::erase_if(seen_, [&](const Key& key) { return key.first == owner; });
   }
   cudaStream_t stream() const { return stream_.get(); }
 
  private:
+  using Key = std::pair<const void*, int>;
+
+  void reserve(std::size_t bytes) {
+    if (bytes <= scratch_.size()) return;
+    graphs_.clear();  // they know the memory that goes
+    scratch_.reset(bytes);
+  }
+
   struct DestroyStream {
     void operator()(cudaStream_t stream) const { cudaStreamDestroy(stream); }
   };
@@ -122,9 +159,9 @@ class CudaDevice {
   using Executable = std::unique_ptr<std::remove_pointer_t<cudaGraphExec_t>, DestroyExecutable>;
 
   std::unique_ptr<std::remove_pointer_t<cudaStream_t>, DestroyStream> stream_;
-  Buffer<unsigned char> sum_memory_;
-  std::unordered_map<int, Executable> graphs_;
-  std::set<int> seen_;
+  Buffer<unsigned char> scratch_;  // of CUB
+  std::map<Key, Executable> graphs_;
+  std::set<Key> seen_;
 };
 
 }  // namespace abn::sph_cuda

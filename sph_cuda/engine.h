@@ -3,11 +3,17 @@
 // all of this bit for bit against the CPU engine.
 //
 // A device has
-//   Buffer<T>            memory for values: reset(count), upload(span), download(count), data(), size()
+//   Buffer<T>            memory for values: reset(count), upload(span), upload_at(first, span), download(count),
+//                        download_at(first, count), data(), size()
 //   launch(n, body)      body(i) for i < n, in any order
-//   launch_blocks<Body>  body(phase, block, thread, shared) for all blocks and threads, phase by phase
+//   launch_blocks(blocks, body)
+//                        body(phase, block, thread, shared) for all blocks and their Body::threads, phase by phase:
+//                        body.phases(block) of them, with body.shared_bytes() of memory that the threads share
 //   prepare_sums(n), exclusive_sum(in, out, n)
-//   replay(key, enqueue) enqueue(), or what it enqueued when last called with that key since forget()
+//   prepare_sort(n), sort_pairs(key, sorted_key, value, sorted_value, n)
+//                        by rising 64-bit keys; equal ones keep their order
+//   replay(owner, key, enqueue)
+//                        enqueue(), or what it enqueued when last called with that key since forget(owner)
 //   name                 what Solver::backend() says
 #pragma once
 
@@ -55,7 +61,7 @@ class DeviceSolver final : public sph::SteppingSolver {
 
  protected:
   void load(const sph::Problem& problem) override {
-    device_.forget();
+    device_.forget(this);
     if (problem.count() > std::numeric_limits<std::uint32_t>::max()) {
       throw DeviceError(
           "SPH on a device: " + std::to_string(problem.count()) +
@@ -109,7 +115,7 @@ class DeviceSolver final : public sph::SteppingSolver {
   void run(sph::RelaxControl& control) override {
     if (control.done) return;
     if (fixed_.size() != fixed().size()) {
-      device_.forget();
+      device_.forget(this);
       fixed_.reset(fixed().size());
     }
     fixed_.upload(fixed());
@@ -117,7 +123,7 @@ class DeviceSolver final : public sph::SteppingSolver {
     // The flag that ends the relaxation is read once per batch; steps after the last one do nothing.
     const int batch = std::min(control.max_steps, steps_per_batch);
     while (!control.done) {
-      device_.replay(batch, [&] {
+      device_.replay(this, batch, [&] {
         for (int s = 0; s < batch; ++s) enqueue_step();
       });
       control = control_.download(1)[0];

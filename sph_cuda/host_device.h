@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -33,7 +34,15 @@ class HostDevice {
       std::copy(values.begin(), values.end(), data_.get());
     }
     void upload(const std::vector<T>& values) { upload(std::span<const T>(values)); }
-    std::vector<T> download(std::size_t count) const { return {data_.get(), data_.get() + count}; }
+    void upload_at(std::size_t first, std::span<const T> values) {
+      assert(first + values.size() <= count_);
+      std::copy(values.begin(), values.end(), data_.get() + first);
+    }
+    std::vector<T> download(std::size_t count) const { return download_at(0, count); }
+    std::vector<T> download_at(std::size_t first, std::size_t count) const {
+      assert(first + count <= count_);
+      return {data_.get() + first, data_.get() + first + count};
+    }
     T* data() { return data_.get(); }
     const T* data() const { return data_.get(); }
     std::size_t size() const { return count_; }
@@ -57,8 +66,8 @@ class HostDevice {
   template <class Body>
   void launch_blocks(std::uint32_t blocks, const Body& body) const {
     for_each(blocks, [&](std::uint32_t block) {
-      const auto shared = std::make_unique<typename Body::Value[]>(Body::threads);
-      for (int phase = 0; phase < Body::phases; ++phase) {
+      const auto shared = std::make_unique<unsigned char[]>(body.shared_bytes());
+      for (int phase = 0; phase < body.phases(block); ++phase) {
         for_each(Body::threads, [&](std::uint32_t thread) { body(phase, block, thread, shared.get()); });
       }
     });
@@ -73,11 +82,23 @@ class HostDevice {
     }
   }
 
+  void prepare_sort(std::uint32_t) const {}
+  void sort_pairs(const std::uint64_t* key, std::uint64_t* sorted_key, const std::uint32_t* value,
+                  std::uint32_t* sorted_value, std::uint32_t n) const {
+    std::vector<std::uint32_t> order(n);
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });
+    for (std::uint32_t i = 0; i < n; ++i) {
+      sorted_key[i] = key[order[i]];
+      sorted_value[i] = value[order[i]];
+    }
+  }
+
   template <class Enqueue>
-  void replay(int, const Enqueue& enqueue) const {
+  void replay(const void*, int, const Enqueue& enqueue) const {
     enqueue();
   }
-  void forget() const {}
+  void forget(const void*) const {}
 
  private:
   template <class F>

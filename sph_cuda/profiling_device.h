@@ -43,11 +43,16 @@ class ProfilingDevice {
   void exclusive_sum(const std::uint32_t* in, std::uint32_t* out, std::uint32_t n) {
     time("exclusive sum (CUB)", [&] { device_.exclusive_sum(in, out, n); });
   }
+  void prepare_sort(std::uint32_t n) { device_.prepare_sort(n); }
+  void sort_pairs(const std::uint64_t* key, std::uint64_t* sorted_key, const std::uint32_t* value,
+                  std::uint32_t* sorted_value, std::uint32_t n) {
+    time("sort of pairs (CUB)", [&] { device_.sort_pairs(key, sorted_key, value, sorted_value, n); });
+  }
   template <class Enqueue>
-  void replay(int, const Enqueue& enqueue) {
+  void replay(const void*, int, const Enqueue& enqueue) {
     enqueue();
   }
-  void forget() {}
+  void forget(const void*) {}
 
  private:
   /// "FindDensity", of abn::sph_cuda::FindDensity<…>.

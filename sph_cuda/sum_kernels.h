@@ -2,6 +2,7 @@
 // device and on the host.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "sampling/hd.h"
@@ -64,16 +65,18 @@ template <class Load>
 struct SumChunks {
   using Value = typename Load::Value;
   static constexpr std::uint32_t threads = sph::sum_lanes;
-  static constexpr int phases = 10;  // the lanes, then half of 256, 128, …, 2, then the answer
+  static constexpr int last_phase = 9;  // the lanes, then half of 256, 128, …, 2, then the answer
 
-  const sph::RelaxControl* control;
+  const sph::RelaxControl* control;  // null = always
   Load load;
   std::uint32_t n;
   Value* total;  // [blocks]
 
-  static std::uint32_t blocks(std::uint32_t n) { return (n + sph::sum_chunk - 1) / sph::sum_chunk; }
-  ABN_HD void operator()(int phase, std::uint32_t block, std::uint32_t thread, Value* shared) const {
-    if (control->done) return;
+  ABN_HD int phases(std::uint32_t) const { return last_phase + 1; }
+  std::size_t shared_bytes() const { return threads * sizeof(Value); }
+  ABN_HD void operator()(int phase, std::uint32_t block, std::uint32_t thread, void* memory) const {
+    if (control != nullptr && control->done) return;
+    Value* shared = static_cast<Value*>(memory);
     if (phase == 0) {
       Value sum{};
       for (std::uint32_t k = thread; k < sph::sum_chunk; k += sph::sum_lanes) {
@@ -81,7 +84,7 @@ struct SumChunks {
         if (i < n) accumulate(sum, load(static_cast<std::uint32_t>(i)));
       }
       shared[thread] = sum;
-    } else if (phase < phases - 1) {
+    } else if (phase < last_phase) {
       const std::uint32_t half = sph::sum_lanes >> static_cast<unsigned>(phase);
       if (thread < half) accumulate(shared[thread], shared[thread + half]);
     } else if (thread == 0) {
