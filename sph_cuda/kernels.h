@@ -247,10 +247,34 @@ struct ReportForces {
   }
 };
 
-struct SetOne {
-  float* values;
-  ABN_HD void operator()(std::uint32_t i) const { values[i] = 1; }
+/// Particle i at place i, at rest and free.
+struct StartAtRest {
+  ParticleArrays particles;
+  std::uint8_t* fixed;
+  ABN_HD void operator()(std::uint32_t i) const {
+    particles.vx[i] = 0;
+    particles.vy[i] = 0;
+    particles.id[i] = i;
+    fixed[i] = 0;
+  }
 };
+struct StoreById {
+  ParticleArrays from;
+  float* x;
+  float* y;
+  ABN_HD void operator()(std::uint32_t i) const {
+    x[from.id[i]] = from.x[i];
+    y[from.id[i]] = from.y[i];
+  }
+};
+
+template <class T>
+struct Fill {
+  T* values;
+  T value;
+  ABN_HD void operator()(std::uint32_t i) const { values[i] = value; }
+};
+
 struct SetZero {
   std::uint32_t* values;
   ABN_HD void operator()(std::uint32_t i) const { values[i] = 0; }
