@@ -55,22 +55,27 @@ void SteppingSolver::freeze(std::span<const std::uint32_t> ids) {
   }
 }
 
-RelaxReport SteppingSolver::relax(int max_steps, bool stop_early) {
+RelaxControl relax_control(const Setup& setup, bool classed, std::uint64_t free, int max_steps, bool stop_early) {
   RelaxControl control;
-  control.free = problem_.particles;
-  for (std::size_t i = 0; i < std::min(fixed_.size(), problem_.particles); ++i) control.free -= fixed_[i];
+  control.free = free;
   control.max_steps = max_steps;
-  control.tolerance = double{setup_.tolerance};
-  control.by_mean = setup_.criterion == Criterion::mean;
+  control.tolerance = double{setup.tolerance};
+  control.by_mean = setup.criterion == Criterion::mean;
   control.stop_early = stop_early;
-  control.adaptive_step = setup_.adaptive_step;
+  control.adaptive_step = setup.adaptive_step;
   control.done = max_steps <= 0;
-  control.report.step = double{setup_.step};
+  control.report.step = double{setup.step};
   // The pressure force is as stiff as 1 / Delta: beyond about 5 Delta a step overshoots; with the force of the own
   // class beside it, beyond 3.
-  const double longest = problem_.terms.classed ? 2.5 : 4;
-  if (setup_.adaptive_step)
-    control.report.step = std::min(control.report.step, longest * double{setup_.stiffness_ratio});
+  const double longest = classed ? 2.5 : 4;
+  if (setup.adaptive_step) control.report.step = std::min(control.report.step, longest * double{setup.stiffness_ratio});
+  return control;
+}
+
+RelaxReport SteppingSolver::relax(int max_steps, bool stop_early) {
+  std::uint64_t free = problem_.particles;
+  for (std::size_t i = 0; i < std::min(fixed_.size(), problem_.particles); ++i) free -= fixed_[i];
+  RelaxControl control = relax_control(setup_, problem_.terms.classed, free, max_steps, stop_early);
   run(control);
   return control.report;
 }

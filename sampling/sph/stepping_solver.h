@@ -11,6 +11,9 @@
 
 namespace abn::sph {
 
+/// The state of a relaxation of `free` particles before its first step.
+RelaxControl relax_control(const Setup& setup, bool classed, std::uint64_t free, int max_steps, bool stop_early);
+
 class SteppingSolver : public Solver {
  public:
   void set_size_field(const Grid<float>& s) final;
