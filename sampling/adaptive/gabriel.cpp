@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cassert>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "sampling/adaptive/gabriel_pair.h"
 #include "sampling/adaptive/nearest_samples.h"
-#include "sampling/hash.h"
-#include "sampling/rng.h"
+#include "sampling/sph/fixed_sum.h"
 #include "sampling/vector_clones.h"
 
 namespace abn {
@@ -32,11 +30,8 @@ struct Around {
   alignas(32) std::array<std::int32_t, NearestSamples::most_neighbours> blocked;
 };
 
-// A sample on the circle, but for rounding, is not inside.
-constexpr float inside = 0.999F;
-
-/// Sets `blocked` [count] for every neighbour k with another one, s, inside the circle over the sample and it: |s -
-/// k/2|^2 < inside |k/2|^2. Whatever is inside is nearer than k, so that the neighbours suffice.
+/// Sets `blocked` [count] for every neighbour k with another one, s, inside the circle over the sample and it. Whatever
+/// is inside is nearer than k, so that the neighbours suffice.
 ABN_VECTOR_CLONES
 void find_blocked(Around& around, int count) {
   around.blocked.fill(0);
@@ -48,8 +43,7 @@ void find_blocked(Around& around, int count) {
 #pragma omp simd
     for (int k = 0; k < filled; ++k) {
       const auto i = static_cast<std::size_t>(k);
-      const float product = x * around.x[i] + y * around.y[i];
-      around.blocked[i] |= product > squared + (0.25F - 0.25F * inside) * around.squared[i] ? 1 : 0;
+      around.blocked[i] |= in_circle(x, y, squared, around.x[i], around.y[i], around.squared[i]) ? 1 : 0;
     }
   }
 }
@@ -73,25 +67,30 @@ struct Pair {
   float priority;
 };
 
-/// What a pair is known by when all else is equal.
-std::uint64_t ends(const Pair& pair) {
-  return std::uint64_t{std::min(pair.a, pair.b)} << 32 | std::max(pair.a, pair.b);
+/// The sum of load(i) for i < n, in an order that a device can follow.
+template <class Load>
+double fixed_order_sum_of(std::size_t n, const Load& load) {
+  std::vector<double> totals;
+  for (std::size_t begin = 0; begin < n; begin += sph::sum_chunk) {
+    sph::ChunkSum chunk;
+    const std::size_t count = std::min<std::size_t>(sph::sum_chunk, n - begin);
+    for (std::size_t k = 0; k < count; ++k) chunk.add(k, load(begin + k));
+    totals.push_back(chunk.total());
+  }
+  return sph::fixed_order_sum(std::move(totals));
 }
-
-float bounded(double x) { return static_cast<float>(std::min(x, double{std::numeric_limits<float>::max()})); }
 
 /// Of all values around the mean of their channel.
 double standard_deviation(std::span<const float> value, std::uint32_t channels) {
-  const double n = static_cast<double>(value.size()) / channels;
+  const std::size_t n = value.size() / channels;
   double sum = 0;
   for (std::uint32_t channel = 0; channel < channels; ++channel) {
-    double mean = 0;
-    for (std::size_t i = channel; i < value.size(); i += channels) mean += double{value[i]};
-    mean /= n;
-    for (std::size_t i = channel; i < value.size(); i += channels) {
-      const double deviation = double{value[i]} - mean;
-      sum += deviation * deviation;
-    }
+    const auto at = [&](std::size_t i) { return double{value[i * channels + channel]}; };
+    const double mean = fixed_order_sum_of(n, at) / static_cast<double>(n);
+    sum += fixed_order_sum_of(n, [&](std::size_t i) {
+      const double deviation = at(i) - mean;
+      return deviation * deviation;
+    });
   }
   return std::sqrt(sum / static_cast<double>(value.size()));
 }
@@ -122,38 +121,20 @@ class Graph {
     }
   }
 
-  /// Whether this end of the pair is the one that counts: the lower one, unless the higher one is not among its
-  /// neighbours. After all blocks.
-  bool counts(Edge edge) const { return edge.a < edge.b || key(squared_length(edge), edge.a) > last_[edge.b]; }
+  /// Whether this end of the pair is the one that counts. After all blocks.
+  bool counts(Edge edge) const { return counts_from(edge.a, edge.b, squared_length(edge), last_[edge.b]); }
 
   float squared_length(Edge edge) const {
     const Vec2f d = samples_.position[edge.a] - samples_.position[edge.b];
     return d.x * d.x + d.y * d.y;
   }
 
-  /// Root mean square over the channels.
-  float difference(Edge edge) const {
-    const std::uint32_t channels = samples_.channels;
-    const float* a = samples_.value.data() + std::size_t{edge.a} * channels;
-    const float* b = samples_.value.data() + std::size_t{edge.b} * channels;
-    if (channels == 1) return bounded(std::abs(double{*a} - double{*b}));
-    double sum = 0;
-    for (std::uint32_t c = 0; c < channels; ++c) {
-      const double d = double{a[c]} - double{b[c]};
-      sum += d * d;
-    }
-    return bounded(std::sqrt(sum / channels));
-  }
+  float difference(Edge edge) const { return difference_of(samples_.value.data(), samples_.channels, edge.a, edge.b); }
 
   /// The largest difference along an edge of a sample; 0 unless asked for.
   float activity(std::uint32_t sample) const { return activity_.empty() ? 0 : activity_[sample]; }
 
  private:
-  /// The order in which neighbours are found.
-  static std::uint64_t key(float squared, std::uint32_t index) {
-    return std::uint64_t{std::bit_cast<std::uint32_t>(squared)} << 32 | index;
-  }
-
   void find_of(std::uint32_t sample, int lane, const NearestSamples::Search& search, std::vector<Edge>& edges) {
     std::array<std::uint32_t, NearestSamples::most_neighbours> index;
     Around around;
@@ -174,7 +155,7 @@ class Graph {
     }
     if (count == 0) return;
     const auto last = static_cast<std::size_t>(count) - 1;
-    last_[sample] = key(around.squared[last], index[last]);
+    last_[sample] = neighbour_key(around.squared[last], index[last]);
     find_blocked(around, count);
     for (std::size_t k = 0; k <= last; ++k) {
       if (around.blocked[k] != 0) continue;
@@ -214,24 +195,19 @@ std::vector<Pair> prioritise(const std::vector<Edge>& edges, const Graph& graph,
       const float activity = std::min(graph.activity(edge.a), graph.activity(edge.b));
       contrast = std::max(contrast, options.activity * double{activity});
     }
-    const double squared = double{graph.squared_length(edge)};
-    const double area = options.length_exponent == 2 ? squared : std::pow(squared, 0.5 * options.length_exponent);
-    pairs.push_back({edge.a, edge.b, bounded((contrast + floor) * area)});
+    pairs.push_back(
+        {edge.a, edge.b, pair_priority(contrast, floor, graph.squared_length(edge), options.length_exponent)});
   }
   return pairs;
 }
 
-// Priorities by the leading bits of a float >= 0: 8 steps per octave.
-constexpr std::size_t classes = 4096;
-std::size_t class_of(const Pair& pair) { return std::bit_cast<std::uint32_t>(pair.priority) >> 20; }
-
 /// The `wanted` pairs of highest priority, highest first; fewer if there are no more.
 std::vector<Pair> best_of(const std::vector<std::vector<Pair>>& blocks, std::size_t wanted, std::uint64_t seed) {
-  std::vector<std::size_t> in_class(classes, 0);
+  std::vector<std::size_t> in_class(priority_classes, 0);
   for (const auto& pairs : blocks) {
-    for (const Pair& pair : pairs) ++in_class[class_of(pair)];
+    for (const Pair& pair : pairs) ++in_class[priority_class(pair.priority)];
   }
-  std::size_t lowest = classes;
+  std::size_t lowest = priority_classes;
   for (std::size_t above = 0; lowest > 0 && above < wanted;) above += in_class[--lowest];
   struct Ranked {
     Pair pair;
@@ -240,13 +216,13 @@ std::vector<Pair> best_of(const std::vector<std::vector<Pair>>& blocks, std::siz
   std::vector<Ranked> ranked;
   for (const auto& pairs : blocks) {
     for (const Pair& pair : pairs) {
-      if (class_of(pair) < lowest) continue;
-      ranked.push_back({pair, mix64(seed ^ mix64(ends(pair)))});
+      if (priority_class(pair.priority) < lowest) continue;
+      ranked.push_back({pair, lot_of(pair.a, pair.b, seed)});
     }
   }
   const auto before = [](const Ranked& a, const Ranked& b) {
     if (a.pair.priority != b.pair.priority) return a.pair.priority > b.pair.priority;
-    return a.lot != b.lot ? a.lot < b.lot : ends(a.pair) < ends(b.pair);
+    return a.lot < b.lot;
   };
   wanted = std::min(wanted, ranked.size());
   const auto end = ranked.begin() + static_cast<std::ptrdiff_t>(wanted);
@@ -311,21 +287,16 @@ GabrielMidpoints gabriel_midpoints(std::span<const Vec2f> position, std::span<co
           pairs[block] = prioritise(edges[block], graph, options, floor);
         }
       }
-      const auto w = static_cast<float>(plane.width);
-      const auto h = static_cast<float>(plane.height);
       const auto jitter = static_cast<float>(options.jitter);
       for (const Pair& pair : best_of(pairs, wanted, seed)) {
-        Rng rng(seed, stream_id("gabriel jitter"), midpoints.position.size());
-        const Vec2f unit = rng.uniform2();
-        const Vec2f middle = (samples.position[pair.a] + samples.position[pair.b]) * 0.5F;
-        midpoints.position.push_back({std::clamp(middle.x + (unit.x - 0.5F) * jitter, 0.0F, just_below(w)),
-                                      std::clamp(middle.y + (unit.y - 0.5F) * jitter, 0.0F, just_below(h))});
+        midpoints.position.push_back(jittered_midpoint(samples.position[pair.a], samples.position[pair.b],
+                                                       midpoints.position.size(), jitter, plane, seed));
       }
     }
   }
   midpoints.pairs = midpoints.position.size();
   for (std::size_t k = midpoints.pairs; k < wanted; ++k) {
-    midpoints.position.push_back(to_plane(Rng(seed, stream_id("gabriel rest"), k).uniform2(), plane));
+    midpoints.position.push_back(random_midpoint(k, plane, seed));
   }
   return midpoints;
 }
