@@ -4,34 +4,20 @@
 #include <cassert>
 #include <cmath>
 
+#include "sampling/adaptive/map_rules.h"
+#include "sampling/fixed_prefix.h"
 #include "sampling/rng.h"
+#include "sampling/sph/fixed_sum.h"
 
 namespace abn {
 namespace {
 
 double sum(const Grid<float>& grid) {
-  double total = 0;
-  for (const float value : grid.cells()) total += double{value};
-  return total;
+  return sph::fixed_order_sum(grid.cells().size(), [&](std::size_t i) { return double{grid[i]}; });
 }
 
 double cell_area(const Grid<float>& map, Extent plane) {
   return static_cast<double>(plane.area()) / static_cast<double>(map.size().area());
-}
-
-/// Visits the cells in strips of 16 rows, each strip column by column in turns down and up, so that cells near in the
-/// order are near on the map.
-template <class Visit>
-void along_strips(Extent size, Visit&& visit) {
-  constexpr std::uint32_t strip = 16;
-  bool forward = true;
-  for (std::uint32_t top = 0; top < size.height; top += strip, forward = !forward) {
-    const std::uint32_t rows = std::min(strip, size.height - top);
-    for (std::uint32_t k = 0; k < size.width; ++k) {
-      const std::uint32_t x = forward ? k : size.width - 1 - k;
-      for (std::uint32_t r = 0; r < rows; ++r) visit(x, top + (k % 2 == 0 ? r : rows - 1 - r));
-    }
-  }
 }
 
 }  // namespace
@@ -40,71 +26,51 @@ double samples_of(const Grid<float>& density, Extent plane) { return sum(density
 
 Grid<float> allocate(const Grid<float>& weight, const Grid<float>& have, double total, double most, Extent plane) {
   assert(weight.size() == have.size());
-  Grid<float> density = have;
-  const double wanted = total / cell_area(have, plane);  // sum over the cells
-  const auto fill = [&](double scale) {
-    for (std::size_t i = 0; i < density.cells().size(); ++i) {
-      density[i] = std::max(static_cast<float>(std::min(scale * double{weight[i]}, most)), have[i]);
-    }
-    return sum(density);
-  };
-  const float largest = *std::max_element(weight.cells().begin(), weight.cells().end());
-  if (wanted <= sum(have) || !(largest > 0)) return density;
-  // Bisection on the logarithm of the scale: from nothing added to everything full.
-  float smallest = largest;
-  for (const float w : weight.cells()) smallest = w > 0 ? std::min(smallest, w) : smallest;
-  double low = std::log(most / double{largest}) - 40;
-  double high = std::log(most / double{smallest});
-  if (fill(std::exp(high)) <= wanted) return density;
-  for (int step = 0; step < 40 && high - low > 1e-6; ++step) {
-    const double middle = 0.5 * (low + high);
-    (fill(std::exp(middle)) > wanted ? high : low) = middle;
+  MapRange range;
+  range.have = sum(have);
+  for (const float w : weight.cells()) {
+    range.largest = std::max(range.largest, w);
+    range.smallest = w > 0 ? std::min(range.smallest, w) : range.smallest;
   }
-  fill(std::exp(low));
+  FillSearch search(range, total / cell_area(have, plane), most);
+  const auto density_at = [&](std::size_t i) { return filled(search.scale, weight[i], have[i], most); };
+  while (!search.done) {
+    search.take(sph::fixed_order_sum(weight.cells().size(), [&](std::size_t i) { return double{density_at(i)}; }));
+  }
+  Grid<float> density(have.size());
+  for (std::size_t i = 0; i < density.cells().size(); ++i) density[i] = density_at(i);
   return density;
 }
 
 double uniform_share(const Grid<float>& variance) {
-  double roots = 0;
-  double mean = 0;
-  for (const float v : variance.cells()) {
-    roots += std::sqrt(double{v});
-    mean += double{v};
-  }
+  const std::size_t cells = variance.cells().size();
+  const double roots = sph::fixed_order_sum(cells, [&](std::size_t i) { return std::sqrt(double{variance[i]}); });
+  const double mean = sum(variance);
   if (!(mean > 0)) return 1;
-  const auto cells = static_cast<double>(variance.cells().size());
-  return roots / cells * (roots / cells) / (mean / cells);
+  const auto count = static_cast<double>(cells);
+  return roots / count * (roots / count) / (mean / count);
 }
 
 std::vector<Vec2f> draw_deficit(const Grid<float>& wanted, const Grid<float>& have, std::uint64_t count, Extent plane,
                                 std::uint64_t seed, std::uint32_t stream) {
   assert(wanted.size() == have.size());
   const Extent map = wanted.size();
-  double total = 0;
-  for (std::size_t i = 0; i < map.area(); ++i) total += std::max(0.0, double{wanted[i]} - double{have[i]});
-  const bool nowhere = !(total > 0);
-  if (nowhere) total = static_cast<double>(map.area());
-  const float cell_width = static_cast<float>(plane.width) / static_cast<float>(map.width);
-  const float cell_height = static_cast<float>(plane.height) / static_cast<float>(map.height);
-  const float right = just_below(static_cast<float>(plane.width));
-  const float bottom = just_below(static_cast<float>(plane.height));
-  const double offset = double{Rng(seed, stream, count).uniform()};
+  const StripOrder order(map);
+  std::vector<double> lack(map.area());
+  for (std::size_t k = 0; k < lack.size(); ++k) {
+    const StripOrder::Cell cell = order.cell(k);
+    lack[k] = deficit(wanted.at(cell.x, cell.y), have.at(cell.x, cell.y));
+  }
+  std::vector<double> before = fixed_order_prefix(lack);
+  if (!(before.back() > 0)) before = fixed_order_prefix(std::vector<double>(map.area(), 1.0));
+  const DeficitDraw draw{plane, map, count, before.back(), double{Rng(seed, stream, count).uniform()}, seed, stream};
   std::vector<Vec2f> points;
   points.reserve(count);
-  double before = 0;
-  along_strips(map, [&](std::uint32_t x, std::uint32_t y) {
-    const std::size_t i = wanted.index(x, y);
-    before += nowhere ? 1 : std::max(0.0, double{wanted[i]} - double{have[i]});
-    const auto until = static_cast<std::uint64_t>(before / total * static_cast<double>(count) + offset);
-    while (points.size() < std::min(until, count)) {
-      const Vec2f unit = Rng(seed, stream, points.size()).uniform2();
-      points.push_back({std::min((static_cast<float>(x) + unit.x) * cell_width, right),
-                        std::min((static_cast<float>(y) + unit.y) * cell_height, bottom)});
-    }
-  });
-  while (points.size() < count) {  // rounding of the last prefix
-    points.push_back(to_plane(Rng(seed, stream, points.size()).uniform2(), plane));
+  for (std::size_t k = 0; k < map.area(); ++k) {
+    const std::uint64_t until = draw.until(before[k + 1]);
+    while (points.size() < until) points.push_back(draw.point(points.size(), order.cell(k)));
   }
+  assert(points.size() == count);
   return points;
 }
 

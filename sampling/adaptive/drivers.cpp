@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "sampling/adaptive/local_variance.h"
+#include "sampling/adaptive/map_rules.h"
 #include "sampling/adaptive/pixel_variance.h"
 #include "sampling/rng.h"
 #include "sampling/sobol2d.h"
+#include "sampling/sph/fixed_sum.h"
 
 namespace abn {
 namespace {
@@ -77,16 +79,15 @@ Grid<float> squared_gradient(const Grid<float>& map) {
 Grid<float> both_drivers(const Grid<float>& a, const Grid<float>& b, double exponent, double share) {
   assert(a.size() == b.size() && exponent > 0);
   const std::size_t cells = a.cells().size();
-  std::vector<double> sum(cells, 0.0);
-  for (const Grid<float>* map : {&a, &b}) {
-    double mean = 0;
-    for (const float value : map->cells()) mean += std::pow(double{value}, exponent) / static_cast<double>(cells);
-    if (!(mean > 0)) continue;
-    const double part = (map == &a ? 1 - share : share) / mean;
-    for (std::size_t i = 0; i < cells; ++i) sum[i] += part * std::pow(double{(*map)[i]}, exponent);
-  }
+  const auto part_of = [&](const Grid<float>& map, double part) {
+    const double sum =
+        sph::fixed_order_sum(cells, [&](std::size_t i) { return driver_power(double{map[i]}, exponent); });
+    return sum > 0 ? part * static_cast<double>(cells) / sum : 0;
+  };
+  const double part_a = part_of(a, 1 - share);
+  const double part_b = part_of(b, share);
   Grid<float> both(a.size());
-  for (std::size_t i = 0; i < cells; ++i) both[i] = static_cast<float>(std::min(std::pow(sum[i], 1 / exponent), 1e30));
+  for (std::size_t i = 0; i < cells; ++i) both[i] = both_drivers(a[i], b[i], part_a, part_b, exponent);
   return both;
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "sampling/adaptive/map_rules.h"
 #include "sampling/adaptive/nearest_samples.h"
 #include "sampling/adaptive/variance_of_samples.h"
 
@@ -18,10 +19,10 @@ constexpr double samples_per_cell = 2;
 
 /// One row of the raster, smoothed along itself.
 void blur_row(const float* row, std::size_t width, float* out) {
-  for (std::size_t x = 1; x + 1 < width; ++x) out[x] = (0.25F * row[x - 1] + 0.25F * row[x + 1]) + 0.5F * row[x];
+  for (std::size_t x = 1; x + 1 < width; ++x) out[x] = blurred(row[x - 1], row[x], row[x + 1]);
   const std::size_t last = width - 1;
-  out[0] = (0.25F * row[0] + 0.25F * row[std::min<std::size_t>(1, last)]) + 0.5F * row[0];
-  out[last] = (0.25F * row[last - std::min<std::size_t>(1, last)] + 0.25F * row[last]) + 0.5F * row[last];
+  out[0] = blurred(row[0], row[0], row[std::min<std::size_t>(1, last)]);
+  out[last] = blurred(row[last - std::min<std::size_t>(1, last)], row[last], row[last]);
 }
 
 }  // namespace
@@ -80,7 +81,7 @@ void blur(Grid<float>& map, int passes) {
         const float* here = along.data() + row * width;
         const float* below = along.data() + std::min(row + 1, height - 1) * width;
         float* out = cells + row * width;
-        for (std::size_t x = 0; x < width; ++x) out[x] = (0.25F * above[x] + 0.25F * below[x]) + 0.5F * here[x];
+        for (std::size_t x = 0; x < width; ++x) out[x] = blurred(above[x], here[x], below[x]);
       }
     }
   }

@@ -29,21 +29,32 @@ class ChunkSum {
   std::array<double, sum_lanes> lane_{};
 };
 
-/// The sum of any number of values, e.g. of the chunks' totals: chunk by chunk, then those totals again, until one is
-/// left. 0 without values.
-inline double fixed_order_sum(std::vector<double> values) {
-  if (values.empty()) return 0;
-  do {
-    std::vector<double> totals;
-    for (std::size_t begin = 0; begin < values.size(); begin += sum_chunk) {
-      ChunkSum chunk;
-      const std::size_t count = std::min<std::size_t>(sum_chunk, values.size() - begin);
-      for (std::size_t k = 0; k < count; ++k) chunk.add(k, values[begin + k]);
-      totals.push_back(chunk.total());
-    }
-    values.swap(totals);
-  } while (values.size() > 1);
+/// The totals of the chunks of load(i), i < count.
+template <class Load>
+std::vector<double> chunk_totals(std::size_t count, const Load& load) {
+  std::vector<double> totals;
+  totals.reserve((count + sum_chunk - 1) / sum_chunk);
+  for (std::size_t begin = 0; begin < count; begin += sum_chunk) {
+    ChunkSum chunk;
+    const std::size_t here = std::min<std::size_t>(sum_chunk, count - begin);
+    for (std::size_t k = 0; k < here; ++k) chunk.add(k, load(begin + k));
+    totals.push_back(chunk.total());
+  }
+  return totals;
+}
+
+/// The sum of load(i), i < count: chunk by chunk, then those totals again, until one is left. 0 without values.
+template <class Load>
+double fixed_order_sum(std::size_t count, const Load& load) {
+  if (count == 0) return 0;
+  std::vector<double> values = chunk_totals(count, load);
+  while (values.size() > 1) values = chunk_totals(values.size(), [&](std::size_t i) { return values[i]; });
   return values[0];
+}
+
+/// The sum of any number of values, e.g. of the chunks' totals.
+inline double fixed_order_sum(const std::vector<double>& values) {
+  return fixed_order_sum(values.size(), [&](std::size_t i) { return values[i]; });
 }
 
 }  // namespace abn::sph
