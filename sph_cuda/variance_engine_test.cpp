@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
 #include <vector>
 
 #include "sampling/adaptive/local_variance.h"
@@ -35,33 +34,50 @@ Samples samples_of(Extent plane, std::uint32_t n, std::uint32_t channels) {
 std::vector<float> values_of(const Grid<float>& map) { return {map.cells().begin(), map.cells().end()}; }
 
 TEST(VarianceEngine, EqualsLocalVarianceBitForBit) {
-  VarianceEngine<HostDevice> forward{HostDevice()};
-  VarianceEngine<HostDevice> scattered{HostDevice(LaunchOrder::scattered)};
+  VarianceEngine<HostDevice> engine;
   for (const Extent plane : {Extent{40, 30}, Extent{3, 200}, Extent{1, 1}}) {
-    for (const std::uint32_t n : {1U, 2U, 7U, 100U, 5000U}) {
+    for (const std::uint32_t n : {0U, 1U, 2U, 7U, 100U, 5000U}) {
       for (const std::uint32_t channels : {1U, 3U}) {
         const Samples samples = samples_of(plane, n, channels);
         for (const int neighbours : {1, 2, 8, 32}) {
           const Extent map{2 * plane.width, 2 * plane.height};
-          const std::string where = std::to_string(plane.width) + " wide, " + std::to_string(n) + " samples, " +
-                                    std::to_string(neighbours) + " neighbours";
           const std::vector<float> expected =
               values_of(local_variance(samples.position, samples.value, channels, plane, map, neighbours));
-          EXPECT_EQ(values_of(forward(samples.position, samples.value, channels, plane, map, neighbours)), expected)
-              << where;
-          EXPECT_EQ(values_of(scattered(samples.position, samples.value, channels, plane, map, neighbours)), expected)
-              << where;
+          for (const LaunchOrder order : {LaunchOrder::forward, LaunchOrder::scattered}) {
+            HostDevice device(order);
+            EXPECT_EQ(values_of(engine(device, samples.position, samples.value, channels, plane, map, neighbours)),
+                      expected)
+                << plane.width << " wide, " << n << " samples, " << neighbours << " neighbours";
+          }
         }
       }
     }
   }
 }
 
+TEST(VarianceEngine, LeavesItsResultOnTheDevice) {
+  const Samples samples = samples_of({30, 20}, 900, 3);
+  HostDevice device(LaunchOrder::backward);
+  HostDevice::Buffer<Vec2f> position;
+  HostDevice::Buffer<float> value;
+  HostDevice::Buffer<float> variance;
+  position.reset(samples.position.size());
+  position.upload(samples.position);
+  value.reset(samples.value.size());
+  value.upload(samples.value);
+  variance.reset(30 * 20);
+  VarianceEngine<HostDevice> engine;
+  engine.find(device, position.data(), value.data(), 900, 3, {30, 20}, {30, 20}, 8, variance.data());
+  EXPECT_EQ(variance.download(30 * 20),
+            values_of(local_variance(samples.position, samples.value, 3, {30, 20}, {30, 20}, 8)));
+}
+
 TEST(VarianceEngine, HugeValuesStayFinite) {
   Samples samples = samples_of({20, 20}, 500, 1);
   for (std::size_t i = 0; i < samples.value.size(); i += 3) samples.value[i] = i % 2 == 0 ? 1e30F : -1e30F;
-  VarianceEngine<HostDevice> engine{HostDevice()};
-  EXPECT_EQ(values_of(engine(samples.position, samples.value, 1, {20, 20}, {40, 40}, 8)),
+  HostDevice device;
+  VarianceEngine<HostDevice> engine;
+  EXPECT_EQ(values_of(engine(device, samples.position, samples.value, 1, {20, 20}, {40, 40}, 8)),
             values_of(local_variance(samples.position, samples.value, 1, {20, 20}, {40, 40}, 8)));
 }
 

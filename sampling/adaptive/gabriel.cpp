@@ -16,9 +16,6 @@ namespace {
 
 constexpr int lanes = NearestSamples::lanes;
 
-// Fewer samples than this per cell cost empty cells, more cost distances.
-constexpr double samples_per_cell = 2;
-
 // Samples handled by one thread at a time.
 constexpr std::size_t block_size = 2048;
 
@@ -251,10 +248,9 @@ GabrielMidpoints gabriel_midpoints(std::span<const Vec2f> position, std::span<co
     samples.position.resize(position.size());
     samples.value.resize(value.size());
     {
-      NearestSamples cells(position, plane, samples_per_cell);
-      // Samples of an adapted plane crowd in few cells: smaller ones then.
-      if (const double crowd = cells.crowd(); crowd > 2.5 * samples_per_cell) {
-        cells = NearestSamples(position, plane, std::max(samples_per_cell * 1.5 * samples_per_cell / crowd, 0.25));
+      NearestSamples cells(position, plane, pair_samples_per_cell);
+      if (const double per_cell = pair_samples_per_cell_of(cells.crowd()); per_cell < pair_samples_per_cell) {
+        cells = NearestSamples(position, plane, per_cell);
       }
       samples.row_begins = cells.row_begins();
       const auto order = cells.order();

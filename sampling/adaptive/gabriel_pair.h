@@ -14,6 +14,16 @@
 
 namespace abn {
 
+/// Samples in a cell of the search for neighbours: fewer cost empty cells, more cost distances.
+inline constexpr double pair_samples_per_cell = 2;
+/// The same where `crowd` samples share a cell, on the average over the samples: those of an adapted plane crowd in few
+/// cells, which are smaller then.
+constexpr double pair_samples_per_cell_of(double crowd) {
+  if (crowd <= 2.5 * pair_samples_per_cell) return pair_samples_per_cell;
+  const double fewer = pair_samples_per_cell * 1.5 * pair_samples_per_cell / crowd;
+  return fewer > 0.25 ? fewer : 0.25;
+}
+
 /// Whether sample s is inside the circle whose diameter leads from the origin to k: |s - k/2|^2 < inside |k/2|^2.
 /// Squares of the lengths are given. A sample on the circle, but for rounding, is not inside.
 ABN_HD constexpr bool in_circle(float s_x, float s_y, float s_squared, float k_x, float k_y, float k_squared) {

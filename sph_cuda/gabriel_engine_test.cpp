@@ -1,0 +1,126 @@
+// Refinement on a device without a device, bit for bit against gabriel_midpoints().
+#include "sph_cuda/gabriel_engine.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "sampling/adaptive/gabriel.h"
+#include "sampling/adaptive/nearest_samples.h"
+#include "sampling/rng.h"
+#include "sph_cuda/host_device.h"
+
+namespace abn::sph_cuda {
+namespace {
+
+struct Samples {
+  std::vector<Vec2f> position;
+  std::vector<float> value;
+};
+
+/// A fifth of them crowded in a corner, some at the same place, some on the borders, many of equal values.
+Samples samples_of(Extent plane, std::uint32_t n, std::uint32_t channels) {
+  Samples samples;
+  const auto w = static_cast<float>(plane.width);
+  const auto h = static_cast<float>(plane.height);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    Rng rng(5, 6, i);
+    Vec2f at = to_plane(rng.uniform2(), plane);
+    if (i % 5 == 0) at = at * 0.02F;
+    if (i % 50 == 1) at = {w / 2, 0.5F};
+    if (i % 50 == 2) at.x = just_below(w);
+    if (i % 50 == 3) at.y = just_below(h);
+    samples.position.push_back(at);
+    for (std::uint32_t c = 0; c < channels; ++c) samples.value.push_back(rng.uniform() > 0.7F ? rng.uniform() : 0.25F);
+  }
+  return samples;
+}
+
+class GabrielEngineTest : public ::testing::Test {
+ protected:
+  void expect_equal(const Samples& samples, std::uint32_t channels, Extent plane, std::size_t wanted,
+                    const GabrielOptions& options, const std::vector<LaunchOrder>& orders) {
+    HostDevice::Buffer<Vec2f> position;
+    HostDevice::Buffer<float> value;
+    position.reset(samples.position.size());
+    position.upload(samples.position);
+    value.reset(samples.value.size());
+    value.upload(samples.value);
+    const auto n = static_cast<std::uint32_t>(samples.position.size());
+    const GabrielMidpoints expected =
+        gabriel_midpoints(samples.position, samples.value, channels, plane, wanted, 7, options);
+    for (const LaunchOrder order : orders) {
+      HostDevice device(order);
+      const GabrielMidpoints found =
+          engine_.midpoints(device, position.data(), value.data(), n, channels, plane, wanted, 7, options);
+      const std::string where = std::to_string(plane.width) + " wide, " + std::to_string(n) + " samples, " +
+                                std::to_string(options.neighbours) + " neighbours, " + std::to_string(wanted) +
+                                " wanted";
+      EXPECT_EQ(found.pairs, expected.pairs) << where;
+      EXPECT_TRUE(found.position == expected.position) << where;
+    }
+  }
+  const std::vector<LaunchOrder> all_orders_{LaunchOrder::forward, LaunchOrder::backward, LaunchOrder::scattered};
+
+ private:
+  GabrielEngine<HostDevice> engine_;
+};
+
+TEST_F(GabrielEngineTest, EqualsGabrielMidpointsBitForBit) {
+  for (const Extent plane : {Extent{40, 30}, Extent{3, 200}, Extent{1, 1}}) {
+    for (const std::uint32_t n : {0U, 1U, 2U, 3U, 7U, 40U, 2500U}) {
+      for (const std::uint32_t channels : {1U, 3U}) {
+        const Samples samples = samples_of(plane, n, channels);
+        expect_equal(samples, channels, plane, 0, {}, all_orders_);
+        expect_equal(samples, channels, plane, 1, {}, all_orders_);
+        expect_equal(samples, channels, plane, n / 5 + 2, {}, all_orders_);
+        expect_equal(samples, channels, plane, n / 3, {.neighbours = 1, .floor = 0, .min_length = 0}, all_orders_);
+        expect_equal(samples, channels, plane, 5 * n, {.neighbours = 31, .activity = 0.4}, all_orders_);
+        expect_equal(samples, channels, plane, n, {.min_length = 0.4, .jitter = 0.5, .length_exponent = 1},
+                     all_orders_);
+      }
+    }
+  }
+}
+
+TEST_F(GabrielEngineTest, CoincidentSamples) {
+  const Extent plane{20, 10};
+  Samples samples = samples_of(plane, 400, 1);
+  for (Vec2f& at : samples.position) at = {3.5F, 4.25F};
+  expect_equal(samples, 1, plane, 50, {}, all_orders_);
+  for (std::size_t i = 0; i < 400; i += 40) samples.position[i] = {static_cast<float>(i % 19), 2};
+  expect_equal(samples, 1, plane, 50, {.activity = 1}, all_orders_);
+}
+
+// All pairs of a lattice are equally urgent: lots decide.
+TEST_F(GabrielEngineTest, EqualPriorities) {
+  Samples samples;
+  for (int i = 0; i < 1600; ++i) {
+    samples.position.push_back({static_cast<float>(i * 7 % 1600 % 40) + 0.5F, static_cast<float>(i * 7 % 1600 / 40)});
+    samples.value.push_back(1);
+  }
+  for (const std::size_t wanted : {1U, 100U, 3000U, 4000U}) {
+    expect_equal(samples, 1, {40, 40}, wanted, {}, all_orders_);
+  }
+}
+
+TEST_F(GabrielEngineTest, HugeAndZeroDifferences) {
+  Samples samples = samples_of({20, 20}, 600, 3);
+  for (std::size_t i = 0; i < samples.value.size(); i += 7) samples.value[i] = i % 2 == 0 ? 3e38F : -3e38F;
+  expect_equal(samples, 3, {20, 20}, 400, {}, all_orders_);
+  for (float& v : samples.value) v = v < 0.3F ? 0.25F : 0.5F;
+  expect_equal(samples, 3, {20, 20}, 900, {.floor = 0}, all_orders_);
+}
+
+// The sums of the standard deviation go over several chunks, the samples of an adapted plane get smaller cells.
+TEST_F(GabrielEngineTest, RealSize) {
+  const Extent plane{250, 240};
+  Samples samples = samples_of(plane, 60'000, 3);
+  EXPECT_GT(NearestSamples(samples.position, plane, 2).crowd(), 5);
+  expect_equal(samples, 3, plane, 12'000, {}, {LaunchOrder::forward});
+}
+
+}  // namespace
+}  // namespace abn::sph_cuda
