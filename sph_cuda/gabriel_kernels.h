@@ -77,7 +77,8 @@ struct FindEdges {
 
   ABN_HD void operator()(std::uint32_t i) const {
     const Vec2f here = all.position[i];
-    const NearestFound found = find_nearest(all, here, neighbours, i);
+    NearestFound found;
+    find_nearest(all, here, neighbours, i, found);
     float x[NearestFound::most];
     float y[NearestFound::most];
     for (int k = 0; k < found.count; ++k) {

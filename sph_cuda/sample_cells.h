@@ -90,8 +90,9 @@ inline constexpr std::uint32_t no_sample = 0xFFFFFFFFU;
 
 /// Finds the `wanted` samples (1 to NearestFound::most) nearest to a place, or all there are, without the one known as
 /// `except`. Exact, with distances as computed in float. Looks at rings of cells, from the place outwards.
-ABN_HD inline NearestFound find_nearest(const SamplesInCells& all, Vec2f at, int wanted, std::uint32_t except) {
-  NearestFound found;
+ABN_HD inline void find_nearest(const SamplesInCells& all, Vec2f at, int wanted, std::uint32_t except,
+                                NearestFound& found) {
+  found.count = 0;
   const SampleCells& cells = all.cells;
   const auto look = [&](std::int32_t row, std::int32_t first, std::int32_t last) {
     if (first >= cells.columns || last < 0) return;
@@ -121,7 +122,7 @@ ABN_HD inline NearestFound find_nearest(const SamplesInCells& all, Vec2f at, int
         look(r, right, right);
       }
     }
-    if (left <= 0 && top <= 0 && right >= cells.columns - 1 && bottom >= cells.rows - 1) return found;
+    if (left <= 0 && top <= 0 && right >= cells.columns - 1 && bottom >= cells.rows - 1) return;
     if (found.count < wanted) continue;
     // Nothing that has not been seen is nearer than the nearest side of the rings that is not the plane's border.
     float seen = std::numeric_limits<float>::infinity();
@@ -130,7 +131,7 @@ ABN_HD inline NearestFound find_nearest(const SamplesInCells& all, Vec2f at, int
     if (top > 0) see(at.y - static_cast<float>(top) * cells.height);
     if (right < cells.columns - 1) see(static_cast<float>(right + 1) * cells.width - at.x);
     if (bottom < cells.rows - 1) see(static_cast<float>(bottom + 1) * cells.height - at.y);
-    if (std::sqrt(found.squared(wanted - 1)) * (1 + 0x1p-20F) + cells.rounding <= seen) return found;
+    if (std::sqrt(found.squared(wanted - 1)) * (1 + 0x1p-20F) + cells.rounding <= seen) return;
   }
 }
 

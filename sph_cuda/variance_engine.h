@@ -29,7 +29,8 @@ struct FindVariance {
   ABN_HD void operator()(std::uint32_t i) const {
     const std::uint32_t row = i / map_width;
     const Vec2f at{static_cast<float>((i - row * map_width + 0.5) * step_x), static_cast<float>((row + 0.5) * step_y)};
-    const NearestFound nearest = find_nearest(samples, at, wanted, no_sample);
+    NearestFound nearest;
+    find_nearest(samples, at, wanted, no_sample, nearest);
     variance[i] = variance_of_samples(
         wanted, [&](int k) { return nearest.index(k); }, value, channels);
   }

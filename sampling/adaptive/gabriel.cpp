@@ -64,27 +64,14 @@ struct Pair {
   float priority;
 };
 
-/// The sum of load(i) for i < n, in an order that a device can follow.
-template <class Load>
-double fixed_order_sum_of(std::size_t n, const Load& load) {
-  std::vector<double> totals;
-  for (std::size_t begin = 0; begin < n; begin += sph::sum_chunk) {
-    sph::ChunkSum chunk;
-    const std::size_t count = std::min<std::size_t>(sph::sum_chunk, n - begin);
-    for (std::size_t k = 0; k < count; ++k) chunk.add(k, load(begin + k));
-    totals.push_back(chunk.total());
-  }
-  return sph::fixed_order_sum(std::move(totals));
-}
-
 /// Of all values around the mean of their channel.
 double standard_deviation(std::span<const float> value, std::uint32_t channels) {
   const std::size_t n = value.size() / channels;
   double sum = 0;
   for (std::uint32_t channel = 0; channel < channels; ++channel) {
     const auto at = [&](std::size_t i) { return double{value[i * channels + channel]}; };
-    const double mean = fixed_order_sum_of(n, at) / static_cast<double>(n);
-    sum += fixed_order_sum_of(n, [&](std::size_t i) {
+    const double mean = sph::fixed_order_sum(n, at) / static_cast<double>(n);
+    sum += sph::fixed_order_sum(n, [&](std::size_t i) {
       const double deviation = at(i) - mean;
       return deviation * deviation;
     });
