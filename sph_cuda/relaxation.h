@@ -32,6 +32,7 @@
 #include "sampling/sph/problem.h"
 #include "sph_cuda/kernels.h"
 #include "sph_cuda/sum_kernels.h"
+#include "sph_cuda/sums.h"
 
 namespace abn::sph_cuda {
 
@@ -150,25 +151,6 @@ class Relaxation {
     ParticleArrays arrays() { return {x.data(), y.data(), vx.data(), vy.data(), id.data()}; }
   };
 
-  /// Totals of chunks, level by level, up to one.
-  template <class Value>
-  class Totals {
-   public:
-    void reset(std::uint32_t n) {
-      levels_.clear();
-      do {
-        n = (n + sph::sum_chunk - 1) / sph::sum_chunk;
-        levels_.emplace_back();
-        levels_.back().reset(n);
-      } while (n > 1);
-    }
-    std::vector<Buffer<Value>>& levels() { return levels_; }
-    const Value* total() const { return levels_.back().data(); }
-
-   private:
-    std::vector<Buffer<Value>> levels_;
-  };
-
   static sph::Problem without_host_data(const sph::Problem& problem) {
     sph::Problem own;
     own.field = problem.field;
@@ -203,7 +185,7 @@ class Relaxation {
           n_, MoveParticles<terms>{control_.data(), sorted_view(), sorted_.arrays(), loose_.arrays(), pull_x_.data(),
                                    pull_y_.data(), any_fixed_ ? fixed_.data() : nullptr, motion, moved_.data()});
     });
-    sum<MotionOfChunk>(motion_sums_, MotionOfParticle{moved_.data(), setup_.tolerance});
+    motion_sums_.find(device_, control_.data(), n_, MotionOfParticle{moved_.data(), setup_.tolerance});
     device_.launch(1, FinishStep{control_.data(), motion_sums_.total(), densities ? density_sums_.total() : nullptr,
                                  static_cast<double>(problem_.particles)});
   }
@@ -234,11 +216,12 @@ class Relaxation {
       device_.launch(
           n_, FindDensity<terms>{control_.data(), sorted_view(), constant, density_.data(), class_density_.data()});
     });
-    sum<SumOfChunk>(density_sums_, DensityOfParticle{density_.data(), sorted_.id.data(), particles});
+    density_sums_.find(device_, control_.data(), n_, DensityOfParticle{density_.data(), sorted_.id.data(), particles});
     device_.launch(n_, FindPressure{control_.data(), density_.data(), density_sums_.total(), mean_over, inverse_delta,
                                     pressure_.data()});
     if (!problem_.terms.classed) return;
-    sum<SumOfChunk>(class_density_sums_, DensityOfParticle{class_density_.data(), sorted_.id.data(), particles});
+    class_density_sums_.find(device_, control_.data(), n_,
+                             DensityOfParticle{class_density_.data(), sorted_.id.data(), particles});
     device_.launch(n_, FindPressure{control_.data(), class_density_.data(), class_density_sums_.total(), mean_over,
                                     inverse_delta, class_pressure_.data()});
   }
@@ -247,23 +230,6 @@ class Relaxation {
   void set_pressures_to_one() {
     device_.launch(n_, Fill<float>{pressure_.data(), 1});
     if (problem_.terms.classed) device_.launch(n_, Fill<float>{class_pressure_.data(), 1});
-  }
-
-  /// Sums what `load` gives for all particles into totals.total(); LoadTotals reads the totals of a level.
-  template <class LoadTotals, class Value, class Load>
-  void sum(Totals<Value>& totals, const Load& load) {
-    std::uint32_t n = n_;
-    const Value* below = nullptr;
-    for (Buffer<Value>& level : totals.levels()) {
-      const auto blocks = static_cast<std::uint32_t>(level.size());
-      if (below == nullptr) {
-        device_.launch_blocks(blocks, SumChunks<Load>{control_.data(), load, n, level.data()});
-      } else {
-        device_.launch_blocks(blocks, SumChunks<LoadTotals>{control_.data(), {below}, n, level.data()});
-      }
-      n = blocks;
-      below = level.data();
-    }
   }
 
   sph::CellView<float> cell_view() {
@@ -304,8 +270,8 @@ class Relaxation {
   Buffer<std::uint32_t> cell_, place_, order_;
   Buffer<float> density_, pressure_, moved_, size_, reach_, pull_x_, pull_y_, class_density_, class_pressure_, label_;
   Buffer<std::uint8_t> label_of_, fixed_;  // by id; no labels = one class
-  Totals<double> density_sums_, class_density_sums_;
-  Totals<sph::StepSums> motion_sums_;
+  Sum<Device, SumOfChunk> density_sums_, class_density_sums_;
+  Sum<Device, MotionOfChunk> motion_sums_;
 };
 
 }  // namespace abn::sph_cuda

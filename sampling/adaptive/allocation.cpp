@@ -22,6 +22,13 @@ double cell_area(const Grid<float>& map, Extent plane) {
 
 }  // namespace
 
+Grid<float> density_weights(const Grid<float>& driver, double floor, double exponent) {
+  const double least = floor * (sum(driver) / static_cast<double>(driver.cells().size()));
+  Grid<float> weight(driver.size());
+  for (std::size_t i = 0; i < weight.cells().size(); ++i) weight[i] = density_weight(driver[i], least, exponent);
+  return weight;
+}
+
 double samples_of(const Grid<float>& density, Extent plane) { return sum(density) * cell_area(density, plane); }
 
 Grid<float> allocate(const Grid<float>& weight, const Grid<float>& have, double total, double most, Extent plane) {

@@ -9,6 +9,9 @@
 
 namespace abn {
 
+/// (driver + floor * mean driver)^exponent per cell: what density shall be proportional to. Values >= 0.
+Grid<float> density_weights(const Grid<float>& driver, double floor, double exponent);
+
 /// Densities [samples/px^2] per cell of a map over `plane`: proportional to `weight` >= 0, but never less than what
 /// `have` says is there already and never more than `most`, so that they add up to `total` samples (water-filling). If
 /// `total` does not fit under `most`, every cell has that; if it is less than what is there, `have` is returned.

@@ -12,6 +12,9 @@
 
 namespace abn {
 
+/// The sparsest a pass shall make the plane, relative to the mean density.
+inline constexpr float least_share_of_mean = 0.15F;
+
 /// 1-2-1 over a value and those before and after it.
 ABN_HD inline float blurred(float before, float here, float after) {
   return (0.25F * before + 0.25F * after) + 0.5F * here;
@@ -20,6 +23,11 @@ ABN_HD inline float blurred(float before, float here, float after) {
 /// A driver raised to the exponent by which density grows with it.
 ABN_HD inline double driver_power(double driver, double exponent) {
   return exponent == 0.5 ? std::sqrt(driver) : std::pow(driver, exponent);  // .5 is the rule, and pow() is slow
+}
+
+/// What the density of a cell shall be proportional to.
+ABN_HD inline float density_weight(float driver, double least, double exponent) {
+  return static_cast<float>(driver_power(static_cast<double>(driver) + least, exponent));
 }
 
 /// (part_a a^e + part_b b^e)^(1/e), but not above 1e30.
@@ -46,6 +54,13 @@ struct MapRange {
   float largest = 0;                                   // weight
   float smallest = std::numeric_limits<float>::max();  // weight above 0
 };
+
+/// Of two parts of a map together.
+ABN_HD inline void accumulate(MapRange& sum, const MapRange& value) {
+  sum.have += value.have;
+  sum.largest = value.largest > sum.largest ? value.largest : sum.largest;
+  sum.smallest = value.smallest < sum.smallest ? value.smallest : sum.smallest;
+}
 
 /// Finds the scale at which filled() adds up to what is wanted, by bisection of its logarithm: from nothing added to
 /// everything full. Whoever uses it sums filled() over the map for `scale` and tells the sum, until it is done.
