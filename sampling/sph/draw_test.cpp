@@ -92,6 +92,37 @@ TEST(SphDraw, HasNoLongWaves) {
   EXPECT_NEAR(relative_variance(1, 40000), 1.0, 0.25);  // one piece: white noise
 }
 
+TEST(SphDraw, CornersAreThoseAlongTheCurve) {
+  for (const double aspect : {1.0, 7.0, 1.0 / 2000, 1e6}) {
+    const DrawCells cells(aspect, 30000);
+    std::uint64_t number = 0;
+    UnitPosition last;
+    cells.for_each_corner([&](UnitPosition corner) {
+      const UnitPosition again = cells.corner(number);
+      ASSERT_TRUE(corner.x == again.x && corner.y == again.y) << number;
+      const UnitPosition size{2 * (cells.centre(corner).x - corner.x), 2 * (cells.centre(corner).y - corner.y)};
+      // From one to the next is one step to a side.
+      const double steps = std::abs(corner.x - last.x) / size.x + std::abs(corner.y - last.y) / size.y;
+      EXPECT_NEAR(steps, number == 0 ? 0 : 1, 1e-6);
+      last = corner;
+      ++number;
+    });
+    EXPECT_EQ(number, cells.size());
+  }
+}
+
+TEST(SphDraw, FindsTheCellOfAMass) {
+  const std::vector<double> before = {0, 0, 1, 1, 1, 3, 3.5, 3.5};  // 7 cells, some empty, also at both ends
+  const auto expected = [](double mass) { return mass < 1 ? 1U : mass < 3 ? 4U : 5U; };
+  for (const double mass : {0.0, 0.5, 1.0, 2.9, 3.0, 3.4999, 3.5, 4.0}) {
+    for (std::uint64_t first = 0; first <= expected(mass); ++first) {
+      EXPECT_EQ(cell_of_mass(before.data(), 7, mass, first), expected(mass)) << mass << " from " << first;
+    }
+  }
+  const std::vector<double> single = {0, 2};
+  EXPECT_EQ(cell_of_mass(single.data(), 1, 2.0, 0), 0U);
+}
+
 TEST(SphDraw, RefusesADensityThatIsNone) {
   const auto nothing = [](double, double) { return 0.0; };
   const auto bad = [](double u, double) { return u < 0.5 ? 1.0 : std::numeric_limits<double>::quiet_NaN(); };

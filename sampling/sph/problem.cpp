@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "sampling/error.h"
+#include "sampling/sph/tile_density.h"
 
 namespace abn::sph {
 namespace {
@@ -18,46 +20,6 @@ void require(bool good, const char* key, double value, const char* remedy) {
 double class_count(const Setup& setup) {
   if (setup.classes.empty()) return 1;
   return 1.0 + *std::max_element(setup.classes.begin(), setup.classes.end());
-}
-
-/// The mean of s^-2 over every tile.
-std::vector<double> tile_densities(const SizeField& field) {
-  const std::int32_t tiles_x = Cells<float>::tile_count(field.length_x);
-  const std::int32_t tiles_y = Cells<float>::tile_count(field.length_y);
-  const auto columns = static_cast<std::size_t>(tiles_x);
-  std::vector<double> density(columns * static_cast<std::size_t>(tiles_y), 0);
-  std::vector<double> samples(density.size(), 0);
-  // The mean of s^-2 over a tile, from rectangles that are a share of a square between four cell centres: there the
-  // integral is known, so that a spike counts as what it holds and not as its smallest s.
-  const auto shares = [](std::int32_t tiles, std::uint32_t cells) {
-    return std::max(1U, (4 * static_cast<std::uint32_t>(tiles) + cells - 1) / cells);
-  };
-  const std::uint32_t width = field.width * shares(tiles_x, field.width);
-  const std::uint32_t height = field.height * shares(tiles_y, field.height);
-  const FieldView<double> view = field.template view<double>();
-  const auto size_at = [&](double x, double y) {  // [share of the torus], from the first cell's centre
-    const double u = wrap(x * field.width + 0.5, static_cast<double>(field.width));
-    const double v = wrap(y * field.height + 0.5, static_cast<double>(field.height));
-    return sample_size(view, BilinearPlace<double>(field.width, field.height, u, v)).size;
-  };
-  const auto tile_of = [](double share, double first, std::int32_t tiles) {
-    return static_cast<std::size_t>(wrap(share + first, 1.0) * tiles);
-  };
-  std::vector<double> above(width + 1, 0);  // s along the upper sides of a row of rectangles
-  std::vector<double> below(width + 1, 0);
-  for (std::uint32_t x = 0; x <= width; ++x) above[x] = size_at(static_cast<double>(x) / width, 0);
-  for (std::uint32_t y = 0; y < height; ++y) {
-    const auto row = tile_of((y + 0.5) / height, 0.5 / field.height, tiles_y);
-    for (std::uint32_t x = 0; x <= width; ++x) below[x] = size_at(static_cast<double>(x) / width, (y + 1.0) / height);
-    for (std::uint32_t x = 0; x < width; ++x) {
-      const auto column = tile_of((x + 0.5) / width, 0.5 / field.width, tiles_x);
-      density[row * columns + column] += mean_inverse_square(above[x], above[x + 1], below[x], below[x + 1]);
-      samples[row * columns + column] += 1;
-    }
-    above.swap(below);
-  }
-  for (std::size_t t = 0; t < density.size(); ++t) density[t] /= samples[t];
-  return density;
 }
 
 }  // namespace
@@ -91,33 +53,48 @@ void validate(const Setup& setup) {
   }
 }
 
-Problem make_problem(const Setup& setup, std::span<const Vec2f> positions, const Grid<float>* s) {
+Problem problem_without_field(const Setup& setup, std::size_t particles) {
   Problem problem;
-  const auto count = static_cast<double>(positions.size());
-  problem.particles = positions.size();
-  problem.spacing = std::sqrt(static_cast<double>(setup.plane.area()) / count);
+  problem.particles = particles;
+  problem.spacing = std::sqrt(static_cast<double>(setup.plane.area()) / static_cast<double>(particles));
   problem.plane_x = setup.plane.width / problem.spacing;
   problem.plane_y = setup.plane.height / problem.spacing;
   problem.walls = setup.boundary == Boundary::ghost;
   problem.support = double{setup.support_radius};
   problem.class_support = problem.support * std::sqrt(class_count(setup));
   problem.labels.assign(setup.classes.begin(), setup.classes.end());
+  return problem;
+}
+
+FieldOptions field_options(const Setup& setup, const Problem& problem) {
   FieldOptions options;
   options.length_x = problem.plane_x;
   options.length_y = problem.plane_y;
-  options.count = count;
+  options.count = static_cast<double>(problem.particles);
   options.kernel = setup.kernel;
   options.support = problem.class_support;
   options.gradient_limit = double{setup.gradient_limit};
   options.walls = problem.walls;
   options.background = setup.background;
-  problem.field = s == nullptr ? uniform_size_field(options) : prepare_size_field(*s, options);
+  return options;
+}
+
+void set_field(const Setup& setup, SizeField field, std::vector<double> tile_density, Problem& problem) {
   const bool classed = !problem.labels.empty();
-  if (classed && !problem.field.uniform) {
+  if (classed && !field.uniform) {
     throw ConfigError("SPH classes beside a size field that varies: not supported; relax every class by itself");
   }
-  problem.terms = {setup.kernel, classed || !problem.field.uniform, classed};
-  if (!problem.field.uniform) problem.tile_density = tile_densities(problem.field);
+  problem.terms = {setup.kernel, classed || !field.uniform, classed};
+  problem.field = std::move(field);
+  problem.tile_density = std::move(tile_density);
+}
+
+Problem make_problem(const Setup& setup, std::span<const Vec2f> positions, const Grid<float>* s) {
+  Problem problem = problem_without_field(setup, positions.size());
+  const FieldOptions options = field_options(setup, problem);
+  SizeField field = s == nullptr ? uniform_size_field(options) : prepare_size_field(*s, options);
+  std::vector<double> density = field.uniform ? std::vector<double>{} : tile_densities(field);
+  set_field(setup, std::move(field), std::move(density), problem);
   const Ring ring = problem.walls ? make_ghost_ring(setup, problem) : Ring{};
   problem.x.reserve(positions.size() + ring.x.size());
   problem.y.reserve(positions.size() + ring.y.size());

@@ -39,6 +39,13 @@ void validate(const Setup& setup);
 /// ConfigError for a bad field.
 Problem make_problem(const Setup& setup, std::span<const Vec2f> positions, const Grid<float>* s);
 
+/// The parts of make_problem(), for whoever prepares the field elsewhere: all but field, ring and positions; the
+/// options for that field; and what follows from it. tile_density: empty if uniform. set_field() throws ConfigError for
+/// classes beside a field that varies.
+Problem problem_without_field(const Setup& setup, std::size_t particles);
+FieldOptions field_options(const Setup& setup, const Problem& problem);
+void set_field(const Setup& setup, SizeField field, std::vector<double> tile_density, Problem& problem);
+
 /// Cells for the problem: one tile if uniform, else tiles with as many cells as particles are expected there. For float
 /// and double.
 template <class Real>
@@ -48,7 +55,7 @@ Cells<Real> cells_for(const Problem& problem);
 Vec2f to_pixels(const Problem& problem, double x, double y);
 
 /// The ring of ghosts around the plane: particles of density s^-2 on both sides of the wall, relaxed together, those
-/// outside kept. [ghosts], on the torus.
+/// outside kept, in the order of their drawing. [ghosts], on the torus.
 struct Ring {
   std::vector<double> x, y;
 };

@@ -59,51 +59,24 @@ struct Strip {
   std::vector<std::uint32_t> index;
   std::vector<double> squared_gap;  // [d^2]
 
-  /// `count` blocks of `side` squares on a torus of `squares`, each `cell` [d] long.
-  void find(std::uint32_t block, std::uint32_t count, std::uint32_t side, std::uint32_t squares, double cell,
-            double radius) {
-    index.assign(1, block);
-    squared_gap.assign(1, 0);
-    const auto begin_of = [&](std::uint32_t i) { return std::int64_t{i} * side; };
-    const auto end_of = [&](std::uint32_t i) { return std::min(begin_of(i) + side, std::int64_t{squares}); };
-    const auto add = [&](std::uint32_t i, std::int64_t gap) {
-      const double distance = static_cast<double>(gap) * cell;
-      if (distance >= radius) return false;
+  void find(const BlockAxis& axis, std::uint32_t block, double radius) {
+    index.clear();
+    squared_gap.clear();
+    axis.for_each_near(block, radius, [&](std::uint32_t i, double gap) {
       index.push_back(i);
-      squared_gap.push_back(distance * distance);
-      return true;
-    };
-    // Once around the torus in both directions meets the nearest image of every block.
-    std::uint32_t i = block;
-    std::int64_t image = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      if (++i == count) {
-        i = 0;
-        image += squares;
-      }
-      if (!add(i, begin_of(i) + image - end_of(block))) break;
-    }
-    i = block;
-    image = 0;
-    for (std::uint32_t k = 0; k < count; ++k) {
-      if (i-- == 0) {
-        i = count - 1;
-        image -= squares;
-      }
-      if (!add(i, begin_of(block) - end_of(i) - image)) break;
-    }
+      squared_gap.push_back(gap);
+    });
   }
 };
 
 /// The dilation, from that of blocks a few times as large: it bounds the window that has to be searched.
 Grid<float> dilated(const Blocks& blocks, double cell_x, double cell_y, double half_support) {
-  constexpr std::uint32_t factor = 4;
   const Extent count = blocks.most.size();
   Grid<float> bound({1, 1}, *std::max_element(blocks.most.cells().begin(), blocks.most.cells().end()));
   std::uint32_t bound_side = std::max(count.width, count.height);
-  if (bound_side > 2 * factor) {
-    bound = dilated(coarser(blocks, factor), cell_x, cell_y, half_support);
-    bound_side = factor;
+  if (bound_side > 2 * reach_factor) {
+    bound = dilated(coarser(blocks, reach_factor), cell_x, cell_y, half_support);
+    bound_side = reach_factor;
   }
   Grid<float> reach(count);
 #pragma omp parallel
@@ -114,18 +87,16 @@ Grid<float> dilated(const Blocks& blocks, double cell_x, double cell_y, double h
       const auto y = static_cast<std::uint32_t>(row);
       for (std::uint32_t x = 0; x < count.width; ++x) {
         const float own = blocks.most.at(x, y);
-        // A little more than the distance, so that rounding never hides a neighbour.
-        const double scale = half_support * (1 + 1e-6);
-        const double radius = scale * (double{own} + double{bound.at(x / bound_side, y / bound_side)});
-        along.find(x, count.width, blocks.side, blocks.squares.width, cell_x, radius);
-        across.find(y, count.height, blocks.side, blocks.squares.height, cell_y, radius);
+        const double radius = reach_distance(half_support, own, bound.at(x / bound_side, y / bound_side));
+        along.find({count.width, blocks.side, blocks.squares.width, cell_x}, x, radius);
+        across.find({count.height, blocks.side, blocks.squares.height, cell_y}, y, radius);
         float most = own;
         for (std::size_t j = 0; j < across.index.size(); ++j) {
           const float* line = &blocks.most.at(0, across.index[j]);
           for (std::size_t i = 0; i < along.index.size(); ++i) {
             const float there = line[along.index[i]];
             if (!(there > most)) continue;
-            const double near = scale * (double{own} + double{there});
+            const double near = reach_distance(half_support, own, there);
             if (along.squared_gap[i] + across.squared_gap[j] < near * near) most = there;
           }
         }

@@ -8,6 +8,7 @@
 
 #include "sampling/grid.h"
 #include "sampling/hd.h"
+#include "sampling/sph/mean_inverse_square.h"
 #include "sampling/sph/model.h"
 
 namespace abn::sph {
@@ -124,9 +125,6 @@ struct SizeField {
     return {cells.data(), width, height, static_cast<Real>(width / length_x), static_cast<Real>(height / length_y)};
   }
 };
-
-/// Mean of s^-2 over a rectangle of the bilinear interpolant, from its values > 0 at the corners.
-double mean_inverse_square(double upper_left, double upper_right, double lower_left, double lower_right);
 
 /// Mean of s^-2 over the raster, exactly for the bilinear interpolant: over one square between four cell centres the
 /// integral of s^-2 is 1 / L(s00 s11, s10 s01), L the logarithmic mean. Beyond the border the raster repeats

@@ -52,6 +52,17 @@ double mean_over_plane(const SizeField& field, const FieldOptions& options, int 
   return sum / steps / steps;
 }
 
+TEST(SphSizeField, LogarithmIsThatOfTheLibrary) {
+  for (int k = -2000; k <= 2000; ++k) {
+    const double x = std::exp(0.0137 * k);
+    EXPECT_NEAR(logarithm(x), std::log(x), 4e-16 * std::max(1.0, std::abs(std::log(x)))) << x;
+    const double t = k / 2001.0;
+    const double expected = k == 0 ? 1 : std::atanh(t) / t;
+    EXPECT_NEAR(inverse_logarithmic_mean(t), expected, t * t < series_below ? 1e-13 : 4e-15) << t;
+  }
+  EXPECT_TRUE(std::isfinite(inverse_logarithmic_mean(1)) && std::isfinite(inverse_logarithmic_mean(-1)));
+}
+
 TEST(SphSizeField, InverseSquareIntegratesToTheArea) {
   // Independent quadrature of the bilinear interpolant, over a smooth field and a jump of 1:100.
   for (const Grid<float>& s : {smooth_size_field({12, 9}, 10), jump_size_field({8, 8}, 100.0F)}) {

@@ -8,23 +8,12 @@
 #include "sampling/error.h"
 #include "sampling/sph/raster_border.h"
 #include "sampling/sph/size_field.h"
+#include "sampling/sph/size_field_steps.h"
 
 namespace abn::sph {
 namespace {
 
-constexpr double series_below = 0.02;         // of t^2: there the series of atanh(t) / t has converged
 constexpr std::size_t parallel_from = 16384;  // cells; below, starting threads costs more than they save
-
-double inverse_logarithmic_mean_by_series(double u) {
-  return 1 + u * (1.0 / 3 + u * (1.0 / 5 + u * (1.0 / 7 + u * (1.0 / 9 + u * (1.0 / 11 + u / 13)))));
-}
-
-/// atanh(t) / t, by its series where that converges at once.
-double inverse_logarithmic_mean(double t) {
-  const double u = t * t;
-  if (u < series_below) return inverse_logarithmic_mean_by_series(u);
-  return std::atanh(t) / t;
-}
 
 void require_positive(const Grid<float>& s) {
   if (s.size().area() == 0) throw ConfigError("size field: it has no cells; give at least 1x1");
@@ -118,13 +107,6 @@ bool limit_across(float* row, const float* before, std::uint32_t width, float st
 
 }  // namespace
 
-double mean_inverse_square(double upper_left, double upper_right, double lower_left, double lower_right) {
-  const double p = upper_left * lower_right;
-  const double q = upper_right * lower_left;
-  const double t = (p - q) / (p + q);  // L = (p-q) / ln(p/q) = (p+q)/2 * t / atanh(t)
-  return inverse_logarithmic_mean(t) / (0.5 * (p + q));
-}
-
 double mean_inverse_square(const Grid<float>& s, bool periodic) {
   const Extent size = s.size();
   // Without periodicity there is a row of squares more, half of them outside.
@@ -152,9 +134,7 @@ Grid<float> normalised_size_field(const Grid<float>& s, double largest, bool per
   require_positive(s);
   Grid<float> result = s;
   const auto scale_by = [&](double factor, double limit) {
-    for (float& value : result.cells()) {
-      value = static_cast<float>(std::min(std::max(double{value} * factor, 1e-6), limit));
-    }
+    for (float& value : result.cells()) value = scaled_size(value, factor, limit);
   };
   // Only ratios count: bring the largest value to 1 first, so that no square over- or underflows.
   scale_by(1.0 / double{*std::max_element(s.cells().begin(), s.cells().end())}, 1.0);
@@ -165,9 +145,7 @@ Grid<float> normalised_size_field(const Grid<float>& s, double largest, bool per
 
 bool limit_gradient(Grid<float>& s, double cell_x, double cell_y, double limit, bool periodic) {
   const Extent size = s.size();
-  const auto step_x = static_cast<float>(limit * cell_x);
-  const auto step_y = static_cast<float>(limit * cell_y);
-  const auto diagonal = static_cast<float>(limit * std::hypot(cell_x, cell_y));
+  const GradientSteps step = gradient_steps(cell_x, cell_y, limit);
   // A sweep down and one up reach every cell inside the raster, more only across its border.
   bool ever = false;
   for (int round = 0; round < 64; ++round) {
@@ -177,9 +155,9 @@ bool limit_gradient(Grid<float>& s, double cell_x, double cell_y, double limit, 
         const std::int64_t y = direction > 0 ? k : std::int64_t{size.height} - 1 - k;
         float* row = &s.at(0, static_cast<std::uint32_t>(y));
         const float* before = &s.at(0, beyond_border(y - direction, size.height, periodic));
-        if (before != row) changed |= limit_across(row, before, size.width, step_y, diagonal, periodic);
-        changed |= limit_along(row, size.width, 1, step_x, periodic);
-        changed |= limit_along(row, size.width, -1, step_x, periodic);
+        if (before != row) changed |= limit_across(row, before, size.width, step.y, step.diagonal, periodic);
+        changed |= limit_along(row, size.width, 1, step.x, periodic);
+        changed |= limit_along(row, size.width, -1, step.x, periodic);
       }
     }
     if (!changed) break;
