@@ -263,16 +263,6 @@ class StepFinder {
   Scan scan_;
 };
 
-double standard_deviation(std::span<const float> values) {
-  if (values.empty()) return 0;
-  double mean = 0;
-  for (const float value : values) mean += double{value};
-  mean /= static_cast<double>(values.size());
-  double squares = 0;
-  for (const float value : values) squares += (double{value} - mean) * (double{value} - mean);
-  return std::sqrt(squares / static_cast<double>(values.size()));
-}
-
 /// Least and largest luminance.
 struct Range {
   float least = std::numeric_limits<float>::max();
@@ -325,7 +315,8 @@ Grid<PixelStep> find_steps(const SampleBins& bins, const EdgeOptions& options) {
   assert(options.margin < 1);  // range_around() looks no farther
   const Extent plane = bins.plane();
   Grid<PixelStep> steps(plane);
-  const auto least_range = static_cast<float>(double{options.contrast} * standard_deviation(bins.luminances()));
+  const double variance = bins.luminance_squares() / static_cast<double>(std::max<std::size_t>(bins.size(), 1));
+  const auto least_range = static_cast<float>(double{options.contrast} * std::sqrt(variance));
   const Grid<Range> ranges = pixel_ranges(bins);
 #pragma omp parallel
   {
@@ -340,7 +331,8 @@ Grid<PixelStep> find_steps(const SampleBins& bins, const EdgeOptions& options) {
   return steps;
 }
 
-Developed edge(const Film& film) {
+Developed edge(const Film& film, const EstimatePixels& on_device) {
+  if (on_device) return krige(film, on_device(film, true));
   const SampleBins bins(film);
   const Grid<PixelStep> steps = find_steps(bins);
   return krige(film, bins, &steps);

@@ -8,15 +8,6 @@
 
 namespace abn::harness {
 
-/// When a step is believed. Looser limits find steps in texture and lose up to a fifth.
-struct EdgeOptions {
-  float margin = 0.6F;            // of the window around the pixel's square [px]; half of it and 0 are tried too
-  double explained = 0.92;        // share of the luminances' variance that two classes must explain
-  std::size_t samples = 14;       // at least, in the window
-  std::size_t class_samples = 3;  // at least, in either class
-  float contrast = 0.02F;         // range of luminances in the window, in standard deviations of the whole film
-};
-
 /// The steps of all pixels.
 ///
 /// The samples of a window are split into two classes by the luminance threshold that explains most of their variance
@@ -27,8 +18,9 @@ struct EdgeOptions {
 Grid<PixelStep> find_steps(const SampleBins& bins, const EdgeOptions& options = {});
 
 /// The row `edge`: krige() with find_steps(). Exact for constants; the same as kriging where no step is found. For
-/// values of a bounded range: in untransformed HDR the classes are lights and everything else.
-Developed edge(const Film& film);
+/// values of a bounded range: in untransformed HDR the classes are lights and everything else. on_device: null = the
+/// CPU.
+Developed edge(const Film& film, const EstimatePixels& on_device = nullptr);
 
 namespace detail {
 /// The share of the unit square where cosine * x + sine * y < offset, in closed form.

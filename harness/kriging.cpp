@@ -9,33 +9,20 @@
 #include <vector>
 
 #include "harness/kriging_solve.h"
+#include "sampling/kriging/kriging_rules.h"
+#include "sampling/kriging/sample_windows.h"
 
 namespace abn::harness {
 namespace {
 
-constexpr std::size_t block_size = 512;       // pixels that one thread takes at a time
-constexpr std::size_t usual_neighbours = 40;  // more only if they are the pixel's own, and 12 beyond those
-constexpr std::size_t most_neighbours = 110;
-constexpr std::size_t extra_neighbours = 12;
-constexpr std::uint32_t merge_cells = 9;  // per side, for pixels with more samples of their own than fit
-constexpr float growth = 1.6F;            // of the margin
-constexpr int growths = 7;
-constexpr double prior_degrees = 1e-5;  // of the picture's mean scale: only samples that all agree leave it visible
+using namespace kriging_rules;
+
+constexpr std::size_t block_size = 512;  // pixels that one thread takes at a time
+constexpr double prior_degrees = 1e-5;   // of the picture's mean scale: only samples that all agree leave it visible
 // Pictures are not Gaussian fields of this variogram: their errors were 5 to 20 % smaller than its scale says, on all
 // reference images, synthetic discs and sample sets looked at, at 6 and 16 samples per pixel.
 constexpr double calibration = 0.85;
 constexpr double least_at_gaps = 0.03;
-constexpr float least_nugget = 1e-3F;  // keeps coincident samples solvable in single precision
-
-/// What is known of a pixel before errors are told: its kriging variance for a variogram of scale 1, and the sum of
-/// squares whose mean over its degrees of freedom estimates that scale.
-struct PixelScale {
-  float unit_variance = 0;
-  float squares = 0;
-  float degrees = 0;
-  float trend = 0;
-  float at_gaps = 1;  // the scale where samples are sparse, relative to that of all samples alike
-};
 
 /// The points of a pixel's estimate, relative to the pixel's corner.
 struct Neighbours {
@@ -61,14 +48,10 @@ struct PixelSystem {
 class Kriger {
  public:
   Kriger(const SampleBins& bins, const Grid<PixelStep>* steps, const KrigingOptions& options)
-      : bins_(bins), steps_(steps), options_(options) {
-    // A film of few samples would get a nugget that drowns the variogram.
-    const double per_pixel = std::max(bins.per_pixel(), 0.25);
-    nugget_ = std::max(static_cast<float>(options.nugget_at_6_spp * std::sqrt(6 / per_pixel)), least_nugget);
-  }
+      : bins_(bins), steps_(steps), options_(options), nugget_(nugget_of(bins.per_pixel(), options)) {}
 
   /// Pixels [begin, end) of the image.
-  void run(std::size_t begin, std::size_t end, Image& image, Grid<PixelScale>& scales) {
+  void run(std::size_t begin, std::size_t end, PixelEstimates& estimates) {
     points_.clear();
     systems_.clear();
     for (std::size_t p = begin; p < end; ++p) collect(p);
@@ -82,7 +65,7 @@ class Kriger {
       batch_.resize(systems_[order_[k + lanes - 1]].count);
       for (std::size_t lane = 0; lane < lanes; ++lane) load(systems_[order_[k + lane]], lane);
       solve_kriging(batch_);
-      for (std::size_t lane = 0; lane < lanes; ++lane) store(systems_[order_[k + lane]], lane, image, scales);
+      for (std::size_t lane = 0; lane < lanes; ++lane) store(systems_[order_[k + lane]], lane, estimates);
     }
   }
 
@@ -105,7 +88,7 @@ class Kriger {
     if (own + extra_neighbours > most_neighbours) {
       merge(p, static_cast<float>(px), static_cast<float>(py));
     } else {
-      const std::size_t most = std::max(usual_neighbours, own + extra_neighbours);
+      const std::size_t most = std::max<std::size_t>(usual_neighbours, own + extra_neighbours);
       if (found_.size() > most) keep_nearest(most, static_cast<float>(px), static_cast<float>(py));
       for (const std::uint32_t i : found_) {
         add_point(bins_.x()[i] - static_cast<float>(px), bins_.y()[i] - static_cast<float>(py), nugget_);
@@ -113,10 +96,7 @@ class Kriger {
       }
     }
     system.count = static_cast<std::uint32_t>(points_.x.size()) - system.first;
-    // The covariance sill - |r| is positive definite if the sill exceeds .64 times the diameter of the disc that holds
-    // the points (their largest mean distance under any weights of sum 1: that of the uniform circle, 4 R / pi).
-    // Weights and variance do not depend on it; the smaller it is, the better the condition.
-    system.sill = 0.75F * std::sqrt(2.0F) * (1 + 2 * margin);
+    system.sill = sill_for(margin);
     systems_.push_back(system);
   }
 
@@ -124,8 +104,8 @@ class Kriger {
   void keep_nearest(std::size_t count, float left, float top) {
     distance_.resize(found_.size());
     for (std::size_t k = 0; k < found_.size(); ++k) {
-      const float dx = std::max({left - bins_.x()[found_[k]], bins_.x()[found_[k]] - left - 1, 0.0F});
-      const float dy = std::max({top - bins_.y()[found_[k]], bins_.y()[found_[k]] - top - 1, 0.0F});
+      const float dx = distance_outside(left, bins_.x()[found_[k]]);
+      const float dy = distance_outside(top, bins_.y()[found_[k]]);
       distance_[k] = {dx * dx + dy * dy, found_[k]};
     }
     std::nth_element(distance_.begin(), distance_.begin() + static_cast<std::ptrdiff_t>(count) - 1, distance_.end());
@@ -160,10 +140,7 @@ class Kriger {
     for (std::uint32_t i = bins_.begin(p); i < bins_.end(p); ++i) {
       const float x = bins_.x()[i] - left;
       const float y = bins_.y()[i] - top;
-      const auto along = [](float t) {
-        return static_cast<std::uint32_t>(std::clamp(t * merge_cells, 0.0F, static_cast<float>(merge_cells - 1)));
-      };
-      Cell& cell = cells_[along(y) * merge_cells + along(x)];
+      Cell& cell = cells_[merge_cell(x, y)];
       copy_values(p, i);
       cell.count += 1;
       cell.x += double{x};
@@ -176,7 +153,7 @@ class Kriger {
     for (const Cell& cell : cells_) {
       if (cell.count == 0) continue;
       add_point(static_cast<float>(cell.x / cell.count), static_cast<float>(cell.y / cell.count),
-                std::max(nugget_ / static_cast<float>(cell.count), least_nugget));
+                merged_nugget(nugget_, cell.count));
       points_.luminance.push_back(static_cast<float>(cell.luminance / cell.count));
       for (std::uint32_t c = 0; c < channels; ++c) {
         points_.value.push_back(static_cast<float>(cell.value[c] / cell.count));
@@ -200,43 +177,17 @@ class Kriger {
     }
   }
 
-  // Where samples were added because values differ, the scale of all samples is that of the crowd, while the error
-  // comes from the gaps. Every sample has a scale of its own, its squared difference to the nearest other one over
-  // their distance; it stands for a cell of that distance squared, whose error goes with the cell's area squared times
-  // the distance. Returns the mean scale under these weights over the plain mean; 1 where samples are even.
   float scale_at_gaps(const PixelSystem& system) const {
-    if (system.count < 4) return 1;
+    if (system.count < fewest_for_gaps) return 1;
     const float* x = points_.x.data() + system.first;
     const float* y = points_.y.data() + system.first;
     const float* light = points_.luminance.data() + system.first;
-    double weighted = 0;
-    double weights = 0;
-    double plain = 0;
-    for (std::size_t i = 0; i < system.count; ++i) {
-      float nearest = std::numeric_limits<float>::max();
-      std::size_t other = i;
-      for (std::size_t k = 0; k < system.count; ++k) {
-        const float dx = x[k] - x[i];
-        const float dy = y[k] - y[i];
-        const float squared = dx * dx + dy * dy;
-        if (squared < nearest && k != i) {
-          nearest = squared;
-          other = k;
-        }
-      }
-      const double distance = std::sqrt(double{nearest}) + 1e-3;  // [px]; coincident samples
-      const double difference = double{light[i]} - double{light[other]};
-      const double scale = difference * difference / distance;
-      const double weight = distance * distance * distance * distance * distance;
-      weighted += weight * scale;
-      weights += weight;
-      plain += scale;
-    }
-    if (!(plain > 0)) return 1;
-    return static_cast<float>(weighted / weights / (plain / system.count));
+    GapMean mean;
+    for (std::uint32_t i = 0; i < system.count; ++i) mean.add(gap_scale(x, y, light, system.count, i));
+    return mean.ratio(system.count);
   }
 
-  void store(const PixelSystem& system, std::size_t lane, Image& image, Grid<PixelScale>& scales) {
+  void store(const PixelSystem& system, std::size_t lane, PixelEstimates& estimates) {
     const std::uint32_t channels = bins_.channels();
     const PixelStep* step = steps_ != nullptr && (*steps_)[system.pixel].found ? &(*steps_)[system.pixel] : nullptr;
     for (std::uint32_t c = 0; c < channels; ++c) {
@@ -251,10 +202,10 @@ class Kriger {
       }
       sum += mean;
       if (step != nullptr) sum += double{step->share} * double{step->jump[c]};
-      image.texels[std::size_t{system.pixel} * channels + c] = static_cast<float>(sum);
+      estimates.value[std::size_t{system.pixel} * channels + c] = static_cast<float>(sum);
     }
-    scales[system.pixel] = {batch_.variance[lane], batch_.squares[lane], batch_.degrees[lane], batch_.trend[lane],
-                            scale_at_gaps(system)};
+    estimates.scale[system.pixel] = {batch_.variance[lane], batch_.squares[lane], batch_.degrees[lane],
+                                     batch_.trend[lane], scale_at_gaps(system)};
   }
 
   struct Cell {
@@ -335,44 +286,74 @@ Image brightest_samples(const SampleBins& bins) {
   return brightest;
 }
 
-}  // namespace
-
-Developed krige(const Film& film, const SampleBins& bins, const Grid<PixelStep>* steps, const KrigingOptions& options) {
-  const Extent plane = bins.plane();
-  assert(steps == nullptr || steps->size() == plane);
-  Developed developed = developed_for(film);
-  Grid<PixelScale> scales(plane);
-  const std::size_t blocks = (plane.area() + block_size - 1) / block_size;
+// What the samples say of every pixel.
+PixelEstimates estimate(const SampleBins& bins, const Grid<PixelStep>* steps, const KrigingOptions& options) {
+  const std::size_t pixels = bins.plane().area();
+  PixelEstimates estimates;
+  estimates.value.resize(pixels * bins.channels());
+  estimates.scale = Grid<PixelScale>(bins.plane());
+  estimates.samples = bins.size();
+  estimates.luminance_squares = bins.luminance_squares();
+  for (std::size_t p = 0; p < pixels; ++p) {
+    estimates.empty_pixels += static_cast<std::uint64_t>(bins.begin(p) == bins.end(p));
+  }
+  const std::size_t blocks = (pixels + block_size - 1) / block_size;
 #pragma omp parallel
   {
     Kriger kriger(bins, steps, options);
 #pragma omp for schedule(dynamic, 1)
     for (std::size_t block = 0; block < blocks; ++block) {
-      kriger.run(block * block_size, std::min<std::size_t>((block + 1) * block_size, plane.area()), developed.image,
-                 scales);
+      kriger.run(block * block_size, std::min<std::size_t>((block + 1) * block_size, pixels), estimates);
     }
   }
-  Grid<std::uint8_t> covered(plane);
-  for (std::size_t p = 0; p < plane.area(); ++p) {
-    covered[p] = static_cast<std::uint8_t>(scales[p].unit_variance > 0);  // never 0 where there was a sample in reach
-    developed.empty_pixels += static_cast<std::uint64_t>(bins.begin(p) == bins.end(p));
+  return estimates;
+}
+
+// Fills what no sample reaches, and tells errors.
+Developed develop(const Film& film, PixelEstimates estimates, const Grid<PixelStep>* steps) {
+  const Grid<PixelScale>& scales = estimates.scale;
+  Developed developed = developed_for(film);
+  assert(estimates.value.size() == developed.image.texels.size());
+  developed.image.texels = std::move(estimates.value);
+  developed.empty_pixels = estimates.empty_pixels;
+  Grid<std::uint8_t> covered(scales.size());
+  for (std::size_t p = 0; p < covered.cells().size(); ++p) {
+    covered[p] = static_cast<std::uint8_t>(scales[p].unit_variance > 0);
   }
   fill_empty(developed.image, covered);
   // Nothing can be said about errors by one sample, and about a pixel far from all only what values do anywhere.
-  if (bins.size() < 2) return developed;
+  if (estimates.samples < 2) return developed;
   developed.standard_error = standard_errors(scales, steps);
-  double mean = 0;
-  for (const float light : bins.luminances()) mean += double{light} / static_cast<double>(bins.size());
-  double squares = 0;
-  for (const float light : bins.luminances()) squares += (double{light} - mean) * (double{light} - mean);
-  const auto anywhere = static_cast<float>(std::sqrt(squares / static_cast<double>(bins.size() - 1)));
-  for (std::size_t p = 0; p < plane.area(); ++p) {
+  const auto anywhere =
+      static_cast<float>(std::sqrt(estimates.luminance_squares / static_cast<double>(estimates.samples - 1)));
+  for (std::size_t p = 0; p < covered.cells().size(); ++p) {
     if (covered[p] == 0) developed.standard_error[p] = anywhere;
   }
   return developed;
 }
 
-Developed kriging(const Film& film) { return krige(film, SampleBins(film)); }
+}  // namespace
+
+Developed krige(const Film& film, const SampleBins& bins, const Grid<PixelStep>* steps, const KrigingOptions& options) {
+  assert(steps == nullptr || steps->size() == bins.plane());
+  return develop(film, estimate(bins, steps, options), steps);
+}
+
+Developed krige(const Film& film, PixelEstimates estimates) {
+  const Grid<PixelStep> steps = std::move(estimates.step);
+  return develop(film, std::move(estimates), steps.cells().empty() ? nullptr : &steps);
+}
+
+EstimatePixels estimate_kept(SampleEstimator on_samples) {
+  return [on_samples = std::move(on_samples)](const Film& film, bool steps) {
+    const KeptSamples& kept = film.kept();
+    return on_samples(kept.position, kept.value, kept.weight, film.channels(), film.stats().size(), steps);
+  };
+}
+
+Developed kriging(const Film& film, const EstimatePixels& on_device) {
+  return on_device ? krige(film, on_device(film, false)) : krige(film, SampleBins(film));
+}
 
 Developed kriging_tonemapped(const Film& film) {
   SampleBins bins(film);

@@ -4,30 +4,20 @@
 // (block kriging, variance). Restricted likelihood of the scale: Patterson and Thompson 1971.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
+#include <functional>
 
 #include "harness/film.h"
 #include "harness/sample_bins.h"
+#include "sampling/kriging/pixel_estimates.h"
 
 namespace abn::harness {
 
-struct KrigingOptions {
-  float margin = 0.25F;         // samples within this distance of the pixel count too [px]
-  std::size_t wanted = 6;       // the margin grows by 1.6 until there are so many
-  double nugget_at_6_spp = .1;  // share of the variogram at distance 0, in units of its value at 1 px; ~ spp^-1/2
-};
+/// The estimates of a film's pixels from its kept samples, with steps or without, in place of what the CPU would do:
+/// where a GPU does it.
+using EstimatePixels = std::function<PixelEstimates(const Film& film, bool steps)>;
 
-/// A step that is taken out of a pixel's samples before they are kriged, and put back as its integral.
-struct PixelStep {
-  bool found = false;
-  float threshold = 0;          // samples of at least this luminance lie on the upper side
-  std::array<float, 3> jump{};  // upper minus lower side, per channel
-  float luminance_jump = 0;
-  float share = 0;        // of the pixel's area that lies on the upper side
-  float share_error = 0;  // its standard deviation
-};
+/// An estimator of samples given the kept samples of a film; null stays null.
+EstimatePixels estimate_kept(SampleEstimator on_samples);
 
 /// Kriging of every pixel from the samples in it and within the margin, variogram |r| + nugget. The weights depend on
 /// positions only, one solve per pixel serves all channels.
@@ -49,8 +39,11 @@ struct PixelStep {
 Developed krige(const Film& film, const SampleBins& bins, const Grid<PixelStep>* steps = nullptr,
                 const KrigingOptions& options = {});
 
-/// The row `kriging`.
-Developed kriging(const Film& film);
+/// The picture of estimates that were made elsewhere from the samples of `film`.
+Developed krige(const Film& film, PixelEstimates estimates);
+
+/// The row `kriging`. on_device: null = the CPU.
+Developed kriging(const Film& film, const EstimatePixels& on_device = nullptr);
 
 /// The row `kriging_tonemapped`: kriging of x/(1+x) per channel, then inverted, so that one bright sample does not
 /// outshine its pixel. Biased towards dark wherever a pixel mixes light and dark, by the curvature of the map (Jensen):

@@ -2,21 +2,15 @@
 
 #include <cmath>
 
+#include "sampling/kriging/kriging_rules.h"
 #include "sampling/vector_clones.h"
 
 namespace abn::harness {
 namespace {
 
-constexpr int cells = 5;  // per side, of the quadrature over the pixel
-// The mean distance to a square cell of side h is sqrt(r^2 + h^2/12) to leading order in h/r: h^2/12 is the transverse
-// variance of a point of the cell. The second term makes up for the cell that holds the point, where this is too short:
-// errors stay below 5e-4 px, of either sign.
-constexpr float cell_spread = 1.0F / (12 * cells * cells) + 3.5e-4F;
-constexpr float mean_square_distance = 0.52140543F;  // of two points of the unit square
-constexpr float least_pivot = 1e-6F;
-constexpr float least_variance = 1e-5F;  // rounding; reached by some hundred samples
-constexpr float fewest_for_trend = 6;
-constexpr float collinear = 1e-3F;  // 1 - correlation^2 of the points' x and y below which no trend is fitted
+using namespace kriging_rules;
+
+constexpr int cells = quadrature;
 constexpr std::size_t lanes = kriging_lanes;
 
 /// Scalar products of the solved right sides: p pixel, o ones, x, y trend, z values.
@@ -34,18 +28,6 @@ void KrigingBatch::resize(std::size_t points) {
   for (float& s : sill) s = 1;
   matrix.resize(points * (points + 1) / 2 * lanes);
   right.resize(5 * points * lanes);
-}
-
-float mean_distance(float x, float y) {
-  float sum = 0;
-  for (int v = 0; v < cells; ++v) {
-    for (int u = 0; u < cells; ++u) {
-      const float dx = (static_cast<float>(u) + 0.5F) / cells - x;
-      const float dy = (static_cast<float>(v) + 0.5F) / cells - y;
-      sum += std::sqrt(dx * dx + dy * dy + cell_spread);
-    }
-  }
-  return sum / (cells * cells);
 }
 
 ABN_VECTOR_CLONES void solve_kriging(KrigingBatch& batch) {

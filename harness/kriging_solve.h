@@ -32,7 +32,4 @@ struct KrigingBatch {
 /// Solves all lanes. Covariance of two points: sill - |r|; of a point with the pixel: the mean of that over the pixel.
 void solve_kriging(KrigingBatch& batch);
 
-/// The mean distance of (x, y) from the points of the unit square [px], by 5 x 5 cells.
-float mean_distance(float x, float y);
-
 }  // namespace abn::harness

@@ -10,6 +10,7 @@
 
 #include "harness/kriging_solve.h"
 #include "harness/reconstruction_cases.h"
+#include "sampling/kriging/kriging_rules.h"
 
 namespace abn::harness {
 namespace {
@@ -30,7 +31,7 @@ double fine_mean_distance(double x, double y) {
 }
 
 double same_mean_distance(double x, double y) {
-  return double{mean_distance(static_cast<float>(x), static_cast<float>(y))};
+  return double{kriging_rules::mean_distance(static_cast<float>(x), static_cast<float>(y))};
 }
 
 Twin solve_twin(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z, double nugget,
@@ -120,7 +121,8 @@ TEST(KrigingSolve, AgreesWithADenseDoubleSolveInEveryLane) {
 TEST(KrigingSolve, MeanDistanceIsCloseToTheIntegral) {
   for (const double x : {-0.25, 0.0, 0.1, 0.37, 0.5, 0.9, 3.0}) {
     for (const double y : {-0.2, 0.3, 0.5, 1.1}) {
-      EXPECT_NEAR(double{mean_distance(static_cast<float>(x), static_cast<float>(y))}, fine_mean_distance(x, y), 5e-4)
+      EXPECT_NEAR(double{kriging_rules::mean_distance(static_cast<float>(x), static_cast<float>(y))},
+                  fine_mean_distance(x, y), 5e-4)
           << x << ' ' << y;
     }
   }

@@ -1,19 +1,11 @@
 #include "harness/sample_bins.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "sampling/kriging/sample_windows.h"
+#include "sampling/sph/fixed_sum.h"
 
 namespace abn::harness {
-namespace {
-
-// The cell of a coordinate on an axis of `count` cells, the nearest one if it lies outside; NaN becomes 0.
-std::uint32_t cell(float position, std::uint32_t count) {
-  if (!(position > 0)) return 0;
-  return position < static_cast<float>(count) ? static_cast<std::uint32_t>(position) : count - 1;
-}
-
-}  // namespace
-
 SampleBins::SampleBins(const Film& film) : plane_(film.stats().size()), channels_(film.channels()) {
   const KeptSamples& kept = film.kept();
   const std::size_t given = kept.position.size();
@@ -22,7 +14,8 @@ SampleBins::SampleBins(const Film& film) : plane_(film.stats().size()), channels
   begin_.assign(plane_.area() + 1, 0);
   for (std::size_t i = 0; i < given; ++i) {
     if (!(kept.weight[i] > 0)) continue;
-    pixel[i] = cell(kept.position[i].y, plane_.height) * plane_.width + cell(kept.position[i].x, plane_.width);
+    pixel[i] =
+        nearest_cell(kept.position[i].y, plane_.height) * plane_.width + nearest_cell(kept.position[i].x, plane_.width);
     ++begin_[pixel[i] + 1];
   }
   for (std::size_t p = 0; p < plane_.area(); ++p) begin_[p + 1] += begin_[p];
@@ -47,10 +40,7 @@ void SampleBins::gather(std::uint32_t x, std::uint32_t y, float margin, bool rou
                         std::vector<std::uint32_t>& found) const {
   const auto left = static_cast<float>(x);
   const auto top = static_cast<float>(y);
-  const std::uint32_t first_x = cell(left - margin, plane_.width);
-  const std::uint32_t last_x = cell(left + 1 + margin, plane_.width);
-  const std::uint32_t first_y = cell(top - margin, plane_.height);
-  const std::uint32_t last_y = cell(top + 1 + margin, plane_.height);
+  const auto [first_x, last_x, first_y, last_y] = window_around(x, y, margin, plane_);
   std::size_t candidates = 0;
   for (std::uint32_t row = first_y; row <= last_y; ++row) {
     const std::size_t p = std::size_t{row} * plane_.width;
@@ -63,14 +53,21 @@ void SampleBins::gather(std::uint32_t x, std::uint32_t y, float margin, bool rou
     const std::size_t p = std::size_t{row} * plane_.width;
     const std::uint32_t stop = end(p + last_x);
     for (std::uint32_t i = begin(p + first_x); i < stop; ++i) {
-      const float dx = std::max(std::max(left - x_[i], x_[i] - left - 1), 0.0F);
-      const float dy = std::max(std::max(top - y_[i], y_[i] - top - 1), 0.0F);
+      const float dx = distance_outside(left, x_[i]);
+      const float dy = distance_outside(top, y_[i]);
       const bool near = round ? dx * dx + dy * dy <= limit : std::max(dx, dy) <= margin;
       found[count] = i;  // written always, kept only if near: no branch to mispredict
       count += static_cast<std::size_t>(near);
     }
   }
   found.resize(count);
+}
+
+double SampleBins::luminance_squares() const {
+  if (size() == 0) return 0;
+  const auto light = [&](std::size_t i) { return double{luminance_[i]}; };
+  const double mean = sph::fixed_order_sum(size(), light) / static_cast<double>(size());
+  return sph::fixed_order_sum(size(), [&](std::size_t i) { return (light(i) - mean) * (light(i) - mean); });
 }
 
 void SampleBins::map_values(float (*map)(float)) {

@@ -28,6 +28,8 @@ class SampleBins {
   std::span<const float> x() const { return x_; }                   // [px]
   std::span<const float> y() const { return y_; }                   // [px]
   std::span<const float> luminances() const { return luminance_; }  // of linear light, unless values were mapped
+  /// The sum of (luminance - mean)^2, in the order of fixed_sum.h. 0 without samples.
+  double luminance_squares() const;
   const float* value(std::size_t i) const { return value_.data() + i * channels_; }  // [channels]
 
   std::uint32_t added(std::size_t i) const { return added_[i]; }  // the sample's place in Film::kept()
