@@ -48,7 +48,7 @@ struct BandGrid {
   std::uint32_t columns = 1, rows = 1;
 
   explicit BandGrid(const SizeField& field);
-  std::uint32_t segments() const { return (columns + segment - 1) / segment; }  // of a row
+  ABN_HD std::uint32_t segments() const { return (columns + segment - 1) / segment; }  // of a row
   ABN_HD double density(const GhostBand& band, std::uint32_t column, std::uint32_t row) const {
     return band.density((column + 0.5) / columns, (row + 0.5) / rows);
   }
