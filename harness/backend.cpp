@@ -5,14 +5,14 @@
 #include <atomic>
 #include <cstdio>
 #include <memory>
-#include <span>
 
 #include "sampling/error.h"
 
 #ifdef ABN_HAVE_CUDA
+#include "harness/fallback_plane.h"
+#include "sph_cuda/adaptive_plane.h"
 #include "sph_cuda/device.h"
 #include "sph_cuda/solver.h"
-#include "sph_cuda/variance_map.h"
 #endif
 
 namespace abn::harness {
@@ -33,27 +33,18 @@ std::unique_ptr<sph::Solver> cuda_if_possible(const sph::Setup& setup) {
   }
 }
 
-/// The device's variance map, or where that fails the CPU's.
-class VarianceMapIfPossible {
- public:
-  Grid<float> operator()(std::span<const Vec2f> position, std::span<const float> value, std::uint32_t channels,
-                         Extent plane, Extent map, int neighbours) const {
-    try {
-      return on_device_(position, value, channels, plane, map, neighbours);
-    } catch (const DeviceError& error) {
-      say_once(fmt::format("{}; the CPU takes over", error.what()));
-      return local_variance(position, value, channels, plane, map, neighbours);
-    }
-  }
-
- private:
-  VarianceMap on_device_ = sph_cuda::make_cuda_variance_map();
-};
+/// One for all runs: it keeps the device's memory.
+const AdaptivePlaneFactory& adaptive_planes() {
+  static const AdaptivePlaneFactory factory = sph_cuda::make_cuda_adaptive_plane_factory();
+  return factory;
+}
 
 Backend with_cuda(bool must) {
   if (!sph_cuda::list_devices().empty()) {
-    if (must) return {"cuda", sph_cuda::make_cuda_solver, sph_cuda::make_cuda_variance_map()};
-    return {"cuda", cuda_if_possible, VarianceMapIfPossible()};
+    const AdaptivePlaneFactory planes = adaptive_planes();
+    if (must) return {"cuda", sph_cuda::make_cuda_solver, planes};
+    const auto tell = [](const std::string& error) { say_once(error + "; the CPU takes over"); };
+    return {"cuda", cuda_if_possible, with_fallback(planes, tell)};
   }
   if (!must) return {"cpu", nullptr, nullptr, "no CUDA device; SPH relaxes on the CPU"};
   throw DeviceError("--backend cuda: there is no CUDA device here, or no driver for it; use --backend cpu");

@@ -3,21 +3,22 @@
 
 #include <string>
 
+#include "sampling/adaptive/adaptive_plane.h"
 #include "sampling/sph/solver.h"
 #include "sampling/strategy.h"
 
 namespace abn::harness {
 
 struct Backend {
-  std::string name;            // cpu | cuda
-  sph::SolverFactory factory;  // null = the CPU engine
-  VarianceMap variance_map;    // likewise
-  std::string note = {};       // why `auto` is not the GPU that this program was built for; empty = it is, or it was not
+  std::string name;                     // cpu | cuda
+  sph::SolverFactory factory;           // null = the CPU engine
+  AdaptivePlaneFactory adaptive_plane;  // null = the CPU's, but for the relaxation, which is the factory's
+  std::string note = {};  // why `auto` is not the GPU that this program was built for; empty = it is, or it was not
 };
 
 /// auto | cpu | cuda. `cuda` never falls back: throws DeviceError if it cannot be had, now or when an engine is made.
-/// `auto` is the GPU if there is one; where that fails for a task (no memory left, say), the CPU engine takes over and a
-/// line on stderr says so. Throws ConfigError for another word.
+/// `auto` is the GPU if there is one; where that fails for a task (no memory left, say), the CPU engine takes over and
+/// a line on stderr says so. Throws ConfigError for another word.
 Backend resolve_backend(const std::string& word);
 
 /// Says on stderr, once per process, that `auto` fell back to the CPU, if it did and the strategy would have used the

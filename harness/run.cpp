@@ -266,7 +266,7 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
                                       .budget = spec.samples,
                                       .seed = spec.seed,
                                       .solver = backend.factory,
-                                      .variance_map = backend.variance_map,
+                                      .adaptive_plane = backend.adaptive_plane,
                                       .filter = subject.filter,
                                       .guide = subject.guide,
                                       .high_dynamic_range = subject.high_dynamic_range,

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sampling/adaptive/local_variance.h"
+#include "sampling/adaptive/adaptive_plane.h"
 #include "sampling/grid.h"
 #include "sampling/pixel_filter.h"
 #include "sampling/sph/solver.h"
@@ -24,7 +24,8 @@ struct SamplingTask {
   std::uint64_t budget = 0;  // exact number of samples, >= 1
   std::uint64_t seed = 1;
   sph::SolverFactory solver = nullptr;  // backend of the SPH strategies; null = CPU
-  VarianceMap variance_map = nullptr;   // likewise of sph_adaptive's search for variance
+  /// Likewise of the passes of sph_adaptive; null = CPU, but for the relaxation, which is the solver's.
+  AdaptivePlaneFactory adaptive_plane = nullptr;
   /// Relative density wanted over the plane, cell by cell (any resolution), >= 0; null = uniform. Only strategies whose
   /// StrategyInfo says `density` look at it.
   std::shared_ptr<const Grid<float>> density = nullptr;

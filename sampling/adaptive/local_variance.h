@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <span>
 
 #include "sampling/grid.h"
@@ -21,10 +20,6 @@ namespace abn {
 /// far are taken by index. The result does not depend on the number of threads.
 Grid<float> local_variance(std::span<const Vec2f> position, std::span<const float> value, std::uint32_t channels,
                            Extent plane, Extent map, int neighbours = 8);
-
-/// Something that computes local_variance(), on a device say.
-using VarianceMap = std::function<Grid<float>(std::span<const Vec2f> position, std::span<const float> value,
-                                              std::uint32_t channels, Extent plane, Extent map, int neighbours)>;
 
 /// Smooths `map` by 1-2-1 in both directions, `passes` >= 0 times, mirrored at the border; a constant stays the same to
 /// the bit.

@@ -7,16 +7,10 @@
 
 #include "sampling/adaptive/allocation.h"
 #include "sampling/adaptive/drivers.h"
-#include "sampling/adaptive/gabriel.h"
-#include "sampling/adaptive/local_variance.h"
-#include "sampling/adaptive/pixel_variance.h"
 #include "sampling/adaptive/ranked_plane.h"
-#include "sampling/adaptive/straight_edges.h"
 #include "sampling/choice_field.h"
 #include "sampling/emit_by_pixel.h"
 #include "sampling/error.h"
-#include "sampling/rng.h"
-#include "sampling/sph/solver.h"
 
 namespace abn {
 namespace {
@@ -108,27 +102,57 @@ SphAdaptive::SphAdaptive(const SamplingTask& task, const Params& params) : task_
 }
 
 void SphAdaptive::remember(const Feedback& seen) {
-  if (value_.size() / channels_ == position_.size()) return;
-  channels_ = seen.channels;
-  assert(seen.last_values.size() == batch_.size() * channels_);
-  for (const float value : seen.last_values) {
-    const float x = std::isfinite(value) ? value : 0.0F;
-    const float light = std::clamp(x, -1e15F, 1e15F);
+  assert(seen.last_values.size() == batch_.size() * seen.channels);
+  std::vector<float> value;  // tone-mapped if so
+  std::vector<float> light;  // the same untransformed, if density follows both
+  value.reserve(seen.last_values.size());
+  for (const float given : seen.last_values) {
+    const float finite = std::isfinite(given) ? given : 0.0F;
+    const float x = std::clamp(finite, -1e15F, 1e15F);
     // x / (1 + x) for light; what is negative has no display value.
-    value_.push_back(tone_mapped_ ? std::max(light, 0.0F) / (1 + std::max(light, 0.0F)) : light);
-    if (both_lights_) light_.push_back(light);
+    value.push_back(tone_mapped_ ? std::max(x, 0.0F) / (1 + std::max(x, 0.0F)) : x);
+    if (both_lights_) light.push_back(x);
   }
+  if (!plane_) plane_ = make_plane();
+  plane_->add(batch_, value, light, seen.channels);
+}
+
+std::unique_ptr<AdaptivePlane> SphAdaptive::make_plane() const {
+  AdaptivePlaneOptions options;
+  options.plane = task_.plane;
+  options.map = map_size(task_.plane, params_.map_cells);
+  options.most_samples = task_.budget;
+  options.driver = params_.driver == "variance"   ? Driver::variance
+                   : params_.driver == "gradient" ? Driver::gradient
+                   : params_.driver == "guide"    ? Driver::guide
+                                                  : Driver::luminance;
+  options.guide = task_.guide;
+  options.both_lights = both_lights_ && options.driver != Driver::guide;
+  options.light_share = params_.light_share;
+  options.exponent = params_.exponent;
+  options.floor = params_.floor;
+  options.most_ratio = params_.most_ratio;
+  options.neighbours = params_.neighbours;
+  options.blur = params_.blur;
+  options.boundary = params_.boundary == "ghost" ? sph::Boundary::ghost : sph::Boundary::periodic;
+  options.delta =
+      params_.delta < forces_alone ? static_cast<float>(params_.delta) : std::numeric_limits<float>::infinity();
+  options.iterations = params_.iterations;
+  options.refine_activity = params_.refine_activity;
+  options.seed = task_.seed;
+  return task_.adaptive_plane ? task_.adaptive_plane(options) : make_adaptive_plane(options, task_.solver);
 }
 
 SampleBatch SphAdaptive::next(const Feedback& seen) {
   if (stage_ == Stage::done) return {};
-  if (!position_.empty()) remember(seen);
-  batch_ = sorted_by_pixel(position_.empty() ? first_samples() : next_samples(), task_.plane);
-  position_.insert(position_.end(), batch_.begin(), batch_.end());
-  if (position_.size() >= task_.budget) stage_ = Stage::done;
+  if (emitted_ > 0) remember(seen);
+  const bool pilot = emitted_ == 0;
+  batch_ = sorted_by_pixel(pilot ? first_samples() : next_samples(), task_.plane);
+  emitted_ += batch_.size();
+  if (emitted_ >= task_.budget) stage_ = Stage::done;
   if (!params_.unbiased) return {.position = batch_};
   // The pilot decided where to look and counts for nothing else.
-  weight_.assign(batch_.size(), position_.size() == batch_.size() && stage_ != Stage::done ? 0.0F : 1.0F);
+  weight_.assign(batch_.size(), pilot && stage_ != Stage::done ? 0.0F : 1.0F);
   return {.position = batch_, .weight = weight_};
 }
 
@@ -145,8 +169,6 @@ std::vector<Vec2f> SphAdaptive::first_samples() {
       targets_.push_back(there);
     }
     refined_from_ = budget;
-    density_ = Grid<float>(map_size(task_.plane, params_.map_cells),
-                           static_cast<float>(static_cast<double>(first) / static_cast<double>(task_.plane.area())));
     uniform_samples_ = first;
     stage_ = Stage::adapt;
     return std::move(plane.position);
@@ -160,8 +182,6 @@ std::vector<Vec2f> SphAdaptive::first_samples() {
     gated_ = true;
     return std::move(plane.position);
   }
-  density_ = Grid<float>(map_size(task_.plane, params_.map_cells),
-                         static_cast<float>(static_cast<double>(base) / static_cast<double>(task_.plane.area())));
   const double refined = params_.refine == "never" ? 0 : params_.refine_share;
   refined_from_ = budget - static_cast<std::uint64_t>(refined * static_cast<double>(budget));
   for (int pass = 1; pass <= params_.passes; ++pass) {
@@ -175,47 +195,15 @@ std::vector<Vec2f> SphAdaptive::first_samples() {
   return std::move(plane.position);
 }
 
-Grid<float> SphAdaptive::driver_map() const {
-  if (params_.driver == "guide") return resampled(*task_.guide, density_.size());
-  if (both_lights_) return both_drivers(driver_of(value_), driver_of(light_), params_.exponent, params_.light_share);
-  return driver_of(value_);
-}
-
-Grid<float> SphAdaptive::driver_of(const std::vector<float>& value) const {
-  const Extent size = density_.size();
-  Grid<float> map;
-  if (params_.driver == "variance") {
-    map = task_.variance_map ? task_.variance_map(position_, value, channels_, task_.plane, size, params_.neighbours)
-                             : local_variance(position_, value, channels_, task_.plane, size, params_.neighbours);
-  } else {
-    // A bell of about the neighbours' number of samples.
-    const double spp = static_cast<double>(position_.size()) / static_cast<double>(size.area());
-    const auto reach = static_cast<int>(std::clamp(std::sqrt(params_.neighbours / (6.3 * spp)), 1.0, 16.0));
-    map = local_mean(position_, value, channels_, task_.plane, size, reach);
-    for (float& mean : map.cells()) mean = std::max(mean, 0.0F);
-    if (params_.driver == "gradient") map = squared_gradient(map);
-  }
-  blur(map, params_.blur);
-  return map;
-}
-
 std::vector<Vec2f> SphAdaptive::next_samples() {
-  if (params_.unbiased) {
-    const Grid<float> variance = driver_map();
-    const double spp = static_cast<double>(task_.budget) / static_cast<double>(task_.plane.area());
-    const std::uint64_t count = task_.budget - position_.size();
-    const Grid<float> nothing(variance.size(), 0.0F);
-    const Grid<float> wanted =
-        allocate(weights_of(variance), nothing, static_cast<double>(count), params_.most_ratio * spp, task_.plane);
-    return draw_per_pixel(wanted, count, task_.plane, task_.seed);
-  }
+  if (params_.unbiased) return samples_by_pixel();
   if (stage_ == Stage::adapt) {
     if (pass_ + 1 == targets_.size() && params_.refine == "auto" && !task_.small_steps) {
       // The last pass: what would be refined goes to it unless straight edges dominate.
       if (!straight_edges_dominate()) targets_.back() = task_.budget;
     }
     if (pass_ == 0) {
-      uniform_share_ = uniform_share(driver_map());
+      uniform_share_ = plane_->uniform_share();
       gated_ = params_.gate < 1 && uniform_share_ > params_.gate - gate_less_per_sample / samples_per_pixel();
       if (gated_ && !task_.small_steps) {
         uniform_samples_ = 0;
@@ -226,67 +214,39 @@ std::vector<Vec2f> SphAdaptive::next_samples() {
     if (++pass_ == targets_.size()) stage_ = Stage::refine;
     return samples;
   }
-  const std::uint64_t left = task_.budget - position_.size();
-  const auto done = static_cast<double>(position_.size() - refined_from_);
+  const std::uint64_t left = task_.budget - emitted_;
+  const auto done = static_cast<double>(emitted_ - refined_from_);
   const double step = static_cast<double>(task_.budget - refined_from_) / params_.refine_passes;
   const auto passes_left = std::max(1.0, params_.refine_passes - std::round(done / step));
   return refine(static_cast<std::uint64_t>(std::ceil(static_cast<double>(left) / passes_left)));
 }
 
 double SphAdaptive::samples_per_pixel() const {
-  const std::uint64_t samples = task_.small_steps ? position_.size() : task_.budget;
+  const std::uint64_t samples = task_.small_steps ? emitted_ : task_.budget;
   return static_cast<double>(samples) / static_cast<double>(task_.plane.area());
 }
 
-Grid<float> SphAdaptive::weights_of(const Grid<float>& variance) const {
-  double mean = 0;
-  for (const float v : variance.cells()) mean += double{v};
-  mean /= static_cast<double>(variance.cells().size());
-  Grid<float> weight(variance.size(), 1.0F);
-  if (gated_) return weight;
-  for (std::size_t i = 0; i < weight.cells().size(); ++i) {
-    weight[i] = static_cast<float>(std::pow(double{variance[i]} + params_.floor * mean, params_.exponent));
-  }
-  return weight;
+std::vector<Vec2f> SphAdaptive::samples_by_pixel() {
+  const Grid<float> driver = plane_->driver();
+  const double spp = static_cast<double>(task_.budget) / static_cast<double>(task_.plane.area());
+  const std::uint64_t count = task_.budget - emitted_;
+  const Grid<float> nothing(driver.size(), 0.0F);
+  const Grid<float> weight = density_weights(driver, params_.floor, params_.exponent);
+  const Grid<float> wanted =
+      allocate(weight, nothing, static_cast<double>(count), params_.most_ratio * spp, task_.plane);
+  return draw_per_pixel(wanted, count, task_.plane, task_.seed);
 }
 
 std::vector<Vec2f> SphAdaptive::add_by_density(std::uint64_t target) {
-  const Grid<float> variance = driver_map();
-  const double spp =
+  DensityPass pass;
+  pass.target = target;
+  pass.mean_density =
       static_cast<double>(task_.small_steps ? target : task_.budget) / static_cast<double>(task_.plane.area());
-  Grid<float> wanted =
-      allocate(weights_of(variance), density_, static_cast<double>(target), params_.most_ratio * spp, task_.plane);
-  const std::uint64_t count = target - position_.size();
-  std::vector<Vec2f> all = position_;
-  const std::vector<Vec2f> fresh =
-      draw_deficit(wanted, density_, count, task_.plane, task_.seed + pass_, stream_id("sph_adaptive"));
-  all.insert(all.end(), fresh.begin(), fresh.end());
-
-  Grid<float> size = wanted;
-  blur(size, 1);
-  for (float& n : size.cells()) n = 1 / std::sqrt(std::max(n, 0.15F * static_cast<float>(spp)));
-  density_ = std::move(wanted);
-  sph::Setup setup;
-  setup.plane = task_.plane;
-  setup.positions = all;
-  setup.boundary = params_.boundary == "ghost" ? sph::Boundary::ghost : sph::Boundary::periodic;
-  setup.stiffness_ratio =
-      params_.delta < forces_alone ? static_cast<float>(params_.delta) : std::numeric_limits<float>::infinity();
-  setup.size_field = &size;
-  setup.background = false;  // the new particles are drawn from the density and have no time to drift from it
-  setup.ghost_steps = 15;
-  setup.seed = task_.seed;
-  const auto solver = task_.solver ? task_.solver(setup) : sph::make_cpu_solver(setup);
-  backend_ = solver->backend();
-  std::vector<std::uint32_t> frozen(position_.size());
-  for (std::uint32_t i = 0; i < frozen.size(); ++i) frozen[i] = i;
-  solver->freeze(frozen);
-  solver->relax(params_.iterations, false);
+  pass.even = gated_;
+  pass.seed = task_.seed + pass_;
+  std::vector<Vec2f> placed = plane_->add_by_density(pass);
   ++relaxed_passes_;
-  const auto placed = solver->positions();
-  const auto ring = solver->ghosts();
-  ghosts_.assign(ring.begin(), ring.end());
-  return {placed.begin() + static_cast<std::ptrdiff_t>(position_.size()), placed.end()};
+  return placed;
 }
 
 std::uint64_t SphAdaptive::uniform_samples() const {
@@ -295,17 +255,16 @@ std::uint64_t SphAdaptive::uniform_samples() const {
 }
 
 bool SphAdaptive::straight_edges_dominate() {
-  edge_share_ = straight_edge_share(position_, value_, channels_, task_.plane);
+  edge_share_ = plane_->straight_edge_share();
   return edge_share_ >= params_.refine_edge_share;
 }
 
 std::vector<Vec2f> SphAdaptive::refine(std::uint64_t count) {
-  GabrielOptions options;
-  options.activity = params_.refine_activity;
   ++refined_passes_;
-  return gabriel_midpoints(position_, value_, channels_, task_.plane, count, task_.seed + position_.size(), options)
-      .position;
+  return plane_->refine(count, task_.seed + emitted_);
 }
+
+std::span<const Vec2f> SphAdaptive::ghosts() const { return plane_ ? plane_->ghosts() : std::span<const Vec2f>(); }
 
 std::vector<Diagnostic> SphAdaptive::diagnostics() const {
   std::vector<Diagnostic> list = {{.name = "uniform_share", .value = uniform_share_},
@@ -313,7 +272,8 @@ std::vector<Diagnostic> SphAdaptive::diagnostics() const {
                                   {.name = "relaxed_passes", .value = static_cast<double>(relaxed_passes_)},
                                   {.name = "refined_passes", .value = static_cast<double>(refined_passes_)},
                                   {.name = "straight_edge_share", .value = edge_share_}};
-  if (!backend_.empty()) list.push_back({.name = "backend", .value = 0, .text = backend_});
+  const std::string backend = plane_ ? plane_->backend() : "";
+  if (!backend.empty()) list.push_back({.name = "backend", .value = 0, .text = backend});
   return list;
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "sampling/adaptive/adaptive_plane.h"
 #include "sampling/sampler.h"
 #include "sampling/strategy.h"
 
@@ -59,7 +61,7 @@ class SphAdaptive final : public Sampler {
   std::vector<Diagnostic> diagnostics() const override;
   std::string_view reconstruction() const override { return params_.unbiased ? "mean" : ""; }
   std::uint64_t uniform_samples() const override;
-  std::span<const Vec2f> ghosts() const override { return ghosts_; }
+  std::span<const Vec2f> ghosts() const override;
   bool cached() const override { return cached_; }
 
  private:
@@ -68,10 +70,9 @@ class SphAdaptive final : public Sampler {
   void remember(const Feedback& seen);
   std::vector<Vec2f> first_samples();
   std::vector<Vec2f> next_samples();
+  std::unique_ptr<AdaptivePlane> make_plane() const;
   double samples_per_pixel() const;
-  Grid<float> driver_map() const;
-  Grid<float> driver_of(const std::vector<float>& value) const;
-  Grid<float> weights_of(const Grid<float>& variance) const;
+  std::vector<Vec2f> samples_by_pixel();
   std::vector<Vec2f> add_by_density(std::uint64_t target);
   std::vector<Vec2f> refine(std::uint64_t count);
   bool straight_edges_dominate();
@@ -84,19 +85,15 @@ class SphAdaptive final : public Sampler {
   std::vector<std::uint64_t> targets_;  // samples there should be after each pass
   std::size_t pass_ = 0;
   std::uint64_t refined_from_ = 0;  // samples after which refinement begins
-  std::vector<Vec2f> position_;     // all emitted so far, in their order [px]
-  std::vector<float> value_;        // of those whose values came back [count * channels], tone-mapped if so
-  std::vector<float> light_;        // the same untransformed, if density follows both
-  std::uint32_t channels_ = 1;
-  std::vector<Vec2f> rest_;  // of the uniform plane
+  std::uint64_t emitted_ = 0;
+  std::unique_ptr<AdaptivePlane> plane_;  // knows them; empty until the first values are back
+  std::vector<Vec2f> rest_;               // of the uniform plane
   std::vector<float> weight_;
-  Grid<float> density_;  // of position_ [1/px^2], on the map
-  std::vector<Vec2f> batch_, ghosts_;
+  std::vector<Vec2f> batch_;
   bool cached_ = false;
   double uniform_share_ = 1, edge_share_ = 0;
   int relaxed_passes_ = 0, refined_passes_ = 0;
   bool gated_ = false;
-  std::string backend_;
 };
 
 }  // namespace abn
