@@ -10,17 +10,20 @@
 #include <ctime>
 #include <exception>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "sampling/sph/solver.h"
 #include "sampling/sph/test_planes.h"
+#include "sph_cuda/adaptive_plane.h"
 #include "sph_cuda/check.h"
 #include "sph_cuda/device.h"
 #include "sph_cuda/engine.h"
 #include "sph_cuda/profiling_device.h"
 #include "sph_cuda/solver.h"
+#include "sph_cuda/test_downscale.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -100,6 +103,45 @@ void by_kernel(const Plane& plane, const std::string& title) {
   std::printf("| all | | %.2f | %.3f |\n", total, total * 1e3 / n);
 }
 
+/// The passes of an adaptive downscale of 200 x 200 at six samples per pixel, stage by stage.
+void adaptive_downscale() {
+  AdaptivePlaneOptions options;
+  options.plane = {200, 200};
+  options.map = {400, 400};
+  options.floor = 0.02;
+  options.delta = INFINITY;
+  const std::uint64_t budget = 240000;
+  const std::vector<Vec2f> base = jittered_base(options.plane, budget / 4, 1);
+  const AdaptivePlaneFactory on_host = [](const AdaptivePlaneOptions& o) { return make_adaptive_plane(o); };
+  const AdaptivePlaneFactory on_device = make_cuda_adaptive_plane_factory();
+  std::printf(
+      "\nThe passes of an adaptive downscale, 240 000 samples, 200 × 200 pixels; without the plane to begin with (it\n"
+      "comes from the disk cache), evaluation and picture. The samples go to the host and their values back: "
+      "included.\n"
+      "\n| stage | GPU, ms | quartiles | this machine's CPU, ms |\n|---|---|---|---|\n");
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<double>> gpu;
+  std::map<std::string, std::vector<double>> cpu;
+  const auto note = [&](std::map<std::string, std::vector<double>>& times, const Downscale& done) {
+    std::map<std::string, double> once;
+    for (const DownscaleStage& stage : done.stages) {
+      if (std::find(names.begin(), names.end(), stage.name) == names.end()) names.push_back(stage.name);
+      once[stage.name] += stage.milliseconds;
+      if (stage.name != "evaluate") once["all but evaluation"] += stage.milliseconds;
+    }
+    for (const auto& [name, time] : once) times[name].push_back(time);
+  };
+  for (int k = 0; k < 3; ++k) run_downscale(on_device, options, base, budget);  // loads kernels, takes memory
+  for (int k = 0; k < repeats; ++k) note(gpu, run_downscale(on_device, options, base, budget));
+  for (int k = 0; k < 3; ++k) note(cpu, run_downscale(on_host, options, base, budget));
+  names.push_back("all but evaluation");
+  for (const std::string& name : names) {
+    const Quartiles q = quartiles_of(gpu[name]);
+    std::printf("| %s | %.3f | %.3f – %.3f | %.1f |\n", name.c_str(), q.median, q.low, q.high,
+                quartiles_of(cpu[name]).median);
+  }
+}
+
 void run(const std::string& revision, const std::string& command) {
   const std::time_t now = std::time(nullptr);
   char date[32];
@@ -137,6 +179,7 @@ void run(const std::string& revision, const std::string& command) {
             times_of(small, sph::make_cpu_solver, 3, [](auto& s) { s.relax(20, false); }), 20);
   print_row("this machine's CPU: 240 000, size field 1:10, per step of 20",
             times_of(sized, sph::make_cpu_solver, 3, [](auto& s) { s.relax(20, false); }), 20);
+  adaptive_downscale();
   by_kernel(small, "240 000 uniform");
   by_kernel(sized, "240 000 in a size field 1:10");
   by_kernel(plane_of(10000000), "10 000 000 uniform");

@@ -2,8 +2,9 @@
 //
 // Every ABN_HD function that the engine's kernels are made of is run on random inputs by a kernel and by the host, by
 // the same code. Integers and placements must be equal, floats within 1e-6 relative, sums over neighbours within 1e-5.
-// Then whole engines: selftest_engine.h. With the word `large`, up to 20 million particles.
-// Exit status: 0 all equal, 1 a mismatch or a CUDA error, 77 no device (the status by which ctest skips a test).
+// Then whole engines (selftest_engine.h), what their sets are worth, and adaptive downscales (selftest_statistics.h).
+// With the word `large`, up to 20 million particles. Exit status: 0 all equal, 1 a mismatch or a CUDA error, 77 no
+// device (the status by which ctest skips a test).
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -18,10 +19,12 @@
 #include "sampling/sph/model.h"
 #include "sampling/sph/size_field.h"
 #include "sampling/vec.h"
+#include "sph_cuda/adaptive_plane.h"
 #include "sph_cuda/buffer.h"
 #include "sph_cuda/check.h"
 #include "sph_cuda/device.h"
 #include "sph_cuda/selftest_engine.h"
+#include "sph_cuda/selftest_statistics.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -321,6 +324,9 @@ int main(int count, char** words) {
       std::printf("device %d: %s\n", device.index, abn::sph_cuda::describe_device(device).c_str());
       good &= abn::sph_cuda::run();
       good &= abn::sph_cuda::run_engine_tests(large);
+      good &= abn::sph_cuda::run_statistics(abn::sph::make_cpu_solver, abn::sph_cuda::make_cuda_solver);
+      const auto on_host = [](const abn::AdaptivePlaneOptions& options) { return abn::make_adaptive_plane(options); };
+      good &= abn::sph_cuda::run_adaptive_tests(on_host, abn::sph_cuda::make_cuda_adaptive_plane_factory());
     }
     std::printf("%s\n", good ? "the devices compute what the host computes" : "MISMATCH between host and device");
     return good ? 0 : 1;

@@ -56,7 +56,7 @@ struct SetDifference {
   double largest = 0;
   std::uint64_t coordinates = 0;
 };
-inline SetDifference difference_of(const std::vector<Vec2f>& a, const std::vector<Vec2f>& b, Extent plane) {
+inline SetDifference set_difference(const std::vector<Vec2f>& a, const std::vector<Vec2f>& b, Extent plane) {
   const double spacing = std::sqrt(static_cast<double>(plane.area()) / static_cast<double>(a.size()));
   const auto around = [](double d, double length) { return std::fabs(d - length * std::round(d / length)); };
   SetDifference found;
@@ -88,7 +88,7 @@ inline bool report_step(const EngineCase& wanted) {
   }
   cpu->relax(1, false);
   gpu->relax(1, false);
-  const SetDifference moved = difference_of(copy_of(cpu->positions()), copy_of(gpu->positions()), wanted.plane);
+  const SetDifference moved = set_difference(copy_of(cpu->positions()), copy_of(gpu->positions()), wanted.plane);
   const bool good = worst <= 1e-5 && moved.largest <= 1e-5;
   std::printf("%s one step, %-22s density and force within %.3g, positions within %.3g d, %llu coordinates not equal\n",
               good ? "ok    " : "FAILED", wanted.name.c_str(), worst, moved.largest,
@@ -149,7 +149,7 @@ inline bool report_converged(const EngineCase& wanted) {
       "%s converged, %-21s steps %d, %d; mean nearest neighbour %.4f, %.4f; mean density %.5f, %.5f; %llu "
       "coordinates not equal\n",
       good ? "ok    " : "FAILED", wanted.name.c_str(), a.steps, b.steps, even_a, even_b, a.mean_density, b.mean_density,
-      static_cast<unsigned long long>(difference_of(on_cpu, on_gpu, wanted.plane).coordinates));
+      static_cast<unsigned long long>(set_difference(on_cpu, on_gpu, wanted.plane).coordinates));
   return good;
 }
 
