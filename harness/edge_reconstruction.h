@@ -22,9 +22,4 @@ Grid<PixelStep> find_steps(const SampleBins& bins, const EdgeOptions& options = 
 /// CPU.
 Developed edge(const Film& film, const EstimatePixels& on_device = nullptr);
 
-namespace detail {
-/// The share of the unit square where cosine * x + sine * y < offset, in closed form.
-float half_plane_share(float cosine, float sine, float offset);
-}  // namespace detail
-
 }  // namespace abn::harness

@@ -8,6 +8,7 @@
 #include <cstddef>
 
 #include "harness/reconstruction_cases.h"
+#include "sampling/kriging/step_rules.h"
 
 namespace abn::harness {
 namespace {
@@ -31,7 +32,8 @@ TEST(EdgeReconstruction, HalfPlaneShareIsWhatCountingFinds) {
         inside +=
             static_cast<int>(c * (static_cast<float>(u) + 0.5F) + s * (static_cast<float>(v) + 0.5F) < offset * n);
     }
-    EXPECT_NEAR(detail::half_plane_share(c, s, offset), static_cast<double>(inside) / (n * n), 0.006) << c << ' ' << s;
+    EXPECT_NEAR(step_rules::half_plane_share(c, s, offset), static_cast<double>(inside) / (n * n), 0.006)
+        << c << ' ' << s;
   }
 }
 
@@ -60,8 +62,8 @@ TEST(EdgeReconstruction, FindsTheStepAndWhatItIs) {
   for (std::uint32_t y = 0; y < plane.height; ++y) {
     for (std::uint32_t x = 0; x < plane.width; ++x) {
       const float share =
-          1 - detail::half_plane_share(0.3584F, 0.9336F,
-                                       14.37F - 0.3584F * static_cast<float>(x) - 0.9336F * static_cast<float>(y));
+          1 - step_rules::half_plane_share(0.3584F, 0.9336F,
+                                           14.37F - 0.3584F * static_cast<float>(x) - 0.9336F * static_cast<float>(y));
       const PixelStep& step = steps.at(x, y);
       // Pixels that the line only grazes may look flat.
       EXPECT_TRUE(step.found || share < 0.15F || share > 0.85F) << x << ' ' << y;

@@ -1,5 +1,5 @@
-// Kriging on a device of relaxation.h: samples into pixels, the points of every pixel, a system each. The host adds
-// what is left: pixels that no sample reaches, and errors (krige() in harness/kriging.cpp).
+// Kriging on a device of relaxation.h: samples into pixels, steps, the points of every pixel, a system each. The host
+// adds what is left: pixels that no sample reaches, and errors (krige() in harness/kriging.cpp).
 #pragma once
 
 #include <algorithm>
@@ -18,6 +18,7 @@
 #include "sph_cuda/bins_engine.h"
 #include "sph_cuda/kriging_gather.h"
 #include "sph_cuda/kriging_solve.h"
+#include "sph_cuda/step_engine.h"
 
 namespace abn::sph_cuda {
 
@@ -42,17 +43,19 @@ class KrigingEngine {
  public:
   explicit KrigingEngine(Device device = {}) : device_(std::move(device)) {}
 
-  /// PixelEstimates as krige() finds them; see SampleEstimator. `pixels_at_once` bounds the memory for systems. Throws
+  /// PixelEstimates as krige() finds them, after find_steps() or without; see SampleEstimator. `pixels_at_once` bounds
+  /// the memory for systems. Throws
   /// DeviceError for more samples than counters can count, and without memory for them.
   PixelEstimates operator()(std::span<const Vec2f> position, std::span<const float> value,
-                            std::span<const float> weight, std::uint32_t channels, Extent plane,
-                            const KrigingOptions& options = {}, std::uint32_t pixels_at_once = 1U << 17U) {
+                            std::span<const float> weight, std::uint32_t channels, Extent plane, bool steps,
+                            std::uint32_t pixels_at_once = 1U << 17U) {
     assert(channels >= 1 && channels <= 3 && pixels_at_once > 0);
     PixelEstimates estimates;
     estimates.scale = Grid<PixelScale>(plane);
     estimates.samples =
         static_cast<std::uint64_t>(std::count_if(weight.begin(), weight.end(), [](float w) { return w > 0; }));
     estimates.empty_pixels = plane.area();
+    if (steps) estimates.step = Grid<PixelStep>(plane);
     if (estimates.samples == 0) {
       estimates.value.resize(plane.area() * channels);
       return estimates;
@@ -68,15 +71,26 @@ class KrigingEngine {
     scale_.reset(pixels);
     empty_.reset(1);
     device_.launch(1, SetZero{empty_.data()});
-    const EstimateArrays out{value_.data(), scale_.data(), nullptr};
+    if (steps) {
+      step_.reset(pixels);
+      steps_.look_at(bins_, EdgeOptions());
+    }
+    const EstimateArrays out{value_.data(), scale_.data(), steps ? step_.data() : nullptr};
+    const KrigingOptions options;
     const float nugget =
         kriging_rules::nugget_of(static_cast<double>(estimates.samples) / static_cast<double>(plane.area()), options);
     for (std::uint32_t first = 0; first < pixels; first += pixels_at_once) {
-      solve(first, std::min(pixels_at_once, pixels - first), nugget, options, out);
+      const std::uint32_t here = std::min(pixels_at_once, pixels - first);
+      if (steps) steps_.find(first, here, step_.data());
+      solve(first, here, nugget, options, out);
     }
     estimates.value = value_.download(value_.size());
     const std::vector<PixelScale> scale = scale_.download(pixels);
     std::copy(scale.begin(), scale.end(), estimates.scale.cells().begin());
+    if (steps) {
+      const std::vector<PixelStep> step = step_.download(pixels);
+      std::copy(step.begin(), step.end(), estimates.step.cells().begin());
+    }
     estimates.empty_pixels = empty_.download(1)[0];
     estimates.luminance_squares = bins_.luminance_squares_on_host();
     return estimates;
@@ -125,8 +139,10 @@ class KrigingEngine {
 
   Device device_;
   BinsEngine<Device> bins_{device_};
+  StepEngine<Device> steps_{device_};
   Buffer<float> value_, margin_, x_, y_, nugget_, luminance_, point_value_;
   Buffer<PixelScale> scale_;
+  Buffer<PixelStep> step_;
   Buffer<std::uint32_t> empty_, found_, number_, sorted_number_, count_, start_, sizes_;
   Buffer<std::uint64_t> key_, sorted_key_;
 };
