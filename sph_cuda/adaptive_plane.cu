@@ -4,7 +4,7 @@
 
 #include "sampling/error.h"
 #include "sph_cuda/adaptive_engine.h"
-#include "sph_cuda/cuda_device.h"
+#include "sph_cuda/cuda_relaxation.h"
 #include "sph_cuda/device.h"
 
 namespace abn::sph_cuda {

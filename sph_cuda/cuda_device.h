@@ -5,8 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cub/device/device_radix_sort.cuh>
-#include <cub/device/device_scan.cuh>
 #include <map>
 #include <memory>
 #include <set>
@@ -72,37 +70,13 @@ class CudaDevice {
     check(cudaGetLastError(), "kernel launch");
   }
 
-  /// Makes room for sums of up to n values (pairs, below): nothing can be allocated while a graph is recorded.
-  void prepare_sums(std::uint32_t n) {
-    std::size_t bytes = 0;
-    const std::uint32_t* in = nullptr;
-    std::uint32_t* out = nullptr;
-    check(cub::DeviceScan::ExclusiveSum(nullptr, bytes, in, out, n, stream_.get()), "cub::DeviceScan");
-    reserve(bytes);
-  }
-  void exclusive_sum(const std::uint32_t* in, std::uint32_t* out, std::uint32_t n) {
-    std::size_t bytes = scratch_.size();
-    check(cub::DeviceScan::ExclusiveSum(scratch_.data(), bytes, in, out, n, stream_.get()), "cub::DeviceScan");
-  }
-  void prepare_sort(std::uint32_t n) {
-    std::size_t bytes = 0;
-    const std::uint64_t* key = nullptr;
-    const std::uint32_t* value = nullptr;
-    std::uint64_t* sorted_key = nullptr;
-    std::uint32_t* sorted_value = nullptr;
-    check(
-        cub::DeviceRadixSort::SortPairs(nullptr, bytes, key, sorted_key, value, sorted_value, n, 0, 64, stream_.get()),
-        "cub::DeviceRadixSort");
-    reserve(bytes);
-  }
+  // By CUB, in cuda_primitives.cu: its headers take long to compile. prepare_… makes room for up to n values: nothing
+  // can be allocated while a graph is recorded.
+  void prepare_sums(std::uint32_t n);
+  void exclusive_sum(const std::uint32_t* in, std::uint32_t* out, std::uint32_t n);
+  void prepare_sort(std::uint32_t n);
   void sort_pairs(const std::uint64_t* key, std::uint64_t* sorted_key, const std::uint32_t* value,
-                  std::uint32_t* sorted_value, std::uint32_t n) {
-    if (n == 0) return;
-    std::size_t bytes = scratch_.size();
-    check(cub::DeviceRadixSort::SortPairs(scratch_.data(), bytes, key, sorted_key, value, sorted_value, n, 0, 64,
-                                          stream_.get()),
-          "cub::DeviceRadixSort");
-  }
+                  std::uint32_t* sorted_value, std::uint32_t n);
 
   /// The first time launches as it is told, the second time records a graph: for a single batch that would not pay.
   template <class Enqueue>

@@ -1,6 +1,7 @@
 // fixed_order_prefix() on a device.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "sampling/fixed_prefix.h"
@@ -22,20 +23,37 @@ struct AddChunk {
   }
 };
 
-/// One thread: what comes before every chunk, in the place of its total; the sum of all after the last value.
+/// One block: what comes before every chunk, in the place of its total; the sum of all after the last value. The totals
+/// come through shared memory, where one thread adds them up.
 struct AddTotals {
+  static constexpr std::uint32_t threads = 256;
+
   double* total;  // [chunks]
   std::uint32_t chunks;
   double* before;  // [n + 1]
   std::uint32_t n;
-  ABN_HD void operator()(std::uint32_t) const {
-    double base = 0;
-    for (std::uint32_t chunk = 0; chunk < chunks; ++chunk) {
-      const double sum = total[chunk];
-      total[chunk] = base;
-      base += sum;
+
+  /// For every `threads` totals: they are loaded, added up, and stored.
+  ABN_HD int phases(std::uint32_t) const { return static_cast<int>(3 * ((chunks + threads - 1) / threads) + 1); }
+  std::size_t shared_bytes() const { return (threads + 1) * sizeof(double); }
+  ABN_HD void operator()(int phase, std::uint32_t, std::uint32_t thread, void* memory) const {
+    auto* shared = static_cast<double*>(memory);
+    double& base = shared[threads];
+    const std::uint32_t chunk = static_cast<std::uint32_t>(phase / 3) * threads + thread;
+    if (phase == 0 && thread == 0) base = 0;
+    if (chunk - thread >= chunks) {
+      if (thread == 0) before[n] = base;
+    } else if (phase % 3 == 0) {
+      if (chunk < chunks) shared[thread] = total[chunk];
+    } else if (phase % 3 == 1) {
+      for (std::uint32_t k = 0; thread == 0 && k < threads && chunk + k < chunks; ++k) {
+        const double sum = shared[k];
+        shared[k] = base;
+        base += sum;
+      }
+    } else if (chunk < chunks) {
+      total[chunk] = shared[thread];
     }
-    before[n] = base;
   }
 };
 
@@ -65,7 +83,7 @@ class Prefix {
     total_.reset(chunks);
     before_.reset(std::size_t{n} + 1);
     device.launch(chunks, AddChunk<Load>{load, n, total_.data()});
-    device.launch(1, AddTotals{total_.data(), chunks, before_.data(), n});
+    device.launch_blocks(1, AddTotals{total_.data(), chunks, before_.data(), n});
     device.launch(chunks, FillChunk<Load>{load, n, total_.data(), before_.data()});
   }
   const double* before() const { return before_.data(); }

@@ -18,7 +18,7 @@ struct LoadValue {
 };
 
 TEST(Prefix, EqualsTheHostsBitForBit) {
-  for (const std::uint32_t n : {0U, 1U, 127U, 128U, 129U, 5000U}) {
+  for (const std::uint32_t n : {0U, 1U, 127U, 128U, 129U, 5000U, 256U * 128, 256U * 128 + 1, 100000U}) {
     std::vector<double> values(n);
     for (std::uint32_t i = 0; i < n; ++i) values[i] = double{Rng(1, 2, i).uniform()} * (i % 7 == 0 ? 0 : 1e-3);
     const std::vector<double> expected = fixed_order_prefix(values);
