@@ -189,6 +189,7 @@ TEST(DeviceKriging, SortsByPhasesWhateverTheNumber) {
 
 TEST(DeviceKriging, TheTableHandsTheDeviceToRowsThatUseIt) {
   const Film film = film_of_case(cases()[4], 3);
+  EXPECT_FALSE(estimate_kept(nullptr));
   int asked = 0;
   const EstimatePixels on_device = [&, device = on_host_loop(LaunchOrder::forward)](const Film& given, bool steps) {
     ++asked;

@@ -345,6 +345,7 @@ Developed krige(const Film& film, PixelEstimates estimates) {
 }
 
 EstimatePixels estimate_kept(SampleEstimator on_samples) {
+  if (!on_samples) return nullptr;
   return [on_samples = std::move(on_samples)](const Film& film, bool steps) {
     const KeptSamples& kept = film.kept();
     return on_samples(kept.position, kept.value, kept.weight, film.channels(), film.stats().size(), steps);
