@@ -12,6 +12,7 @@
 #include "harness/fallback_plane.h"
 #include "sph_cuda/adaptive_plane.h"
 #include "sph_cuda/device.h"
+#include "sph_cuda/kriging.h"
 #include "sph_cuda/solver.h"
 #endif
 
@@ -23,35 +24,36 @@ void say_once(const std::string& line) {
   if (!said.test_and_set()) fmt::print(stderr, "abn: --backend auto: {}\n", line);
 }
 
+void tell_error(const std::string& error) { say_once(error + "; the CPU takes over"); }
+
 #ifdef ABN_HAVE_CUDA
 std::unique_ptr<sph::Solver> cuda_if_possible(const sph::Setup& setup) {
   try {
     return sph_cuda::make_cuda_solver(setup);
   } catch (const DeviceError& error) {
-    say_once(fmt::format("{}; the CPU engine takes over", error.what()));
+    tell_error(error.what());
     return sph::make_cpu_solver(setup);
   }
 }
 
-/// One for all runs: it keeps the device's memory.
-const AdaptivePlaneFactory& adaptive_planes() {
-  static const AdaptivePlaneFactory factory = sph_cuda::make_cuda_adaptive_plane_factory();
-  return factory;
-}
-
 Backend with_cuda(bool must) {
   if (!sph_cuda::list_devices().empty()) {
-    const AdaptivePlaneFactory planes = adaptive_planes();
-    if (must) return {"cuda", sph_cuda::make_cuda_solver, planes};
-    const auto tell = [](const std::string& error) { say_once(error + "; the CPU takes over"); };
-    return {"cuda", cuda_if_possible, with_fallback(planes, tell)};
+    // The same for all runs: they keep the device's memory.
+    static const AdaptivePlaneFactory planes = sph_cuda::make_cuda_adaptive_plane_factory();
+    static const EstimatePixels estimate = estimate_kept(sph_cuda::make_cuda_estimator());
+    Backend backend{"cuda", {}, sph_cuda::make_cuda_solver, planes, estimate};
+    if (must) return backend;
+    backend.factory = cuda_if_possible;
+    backend.adaptive_plane = with_fallback(planes, tell_error);
+    backend.falls_back = true;
+    return backend;
   }
-  if (!must) return {"cpu", nullptr, nullptr, "no CUDA device; SPH relaxes on the CPU"};
+  if (!must) return {"cpu", "no CUDA device; the CPU does it all"};
   throw DeviceError("--backend cuda: there is no CUDA device here, or no driver for it; use --backend cpu");
 }
 #else
 Backend with_cuda(bool must) {
-  if (!must) return {"cpu", nullptr, nullptr};
+  if (!must) return {};
   throw DeviceError(
       "--backend cuda: this program was built without CUDA; use --backend cpu, or build it where nvcc is on the PATH");
 }
@@ -68,9 +70,19 @@ std::string describe_gpu() {
 }
 
 Backend resolve_backend(const std::string& word) {
-  if (word == "cpu") return {"cpu", nullptr, nullptr};
+  if (word == "cpu") return {};
   if (word == "auto" || word == "cuda") return with_cuda(word == "cuda");
   throw ConfigError(fmt::format("--backend is '{}'; known: auto cpu cuda", word));
+}
+
+Developed develop(const Film& film, const Reconstruction& row, const Backend& backend) {
+  if (!backend.falls_back) return row.develop(film, backend.estimate);
+  try {
+    return row.develop(film, backend.estimate);
+  } catch (const DeviceError& error) {
+    tell_error(error.what());
+    return row.develop(film);
+  }
 }
 
 void tell_fallback(const std::string& word, const StrategyInfo& info) {

@@ -280,7 +280,7 @@ RunResult run(const RunSpec& spec, const Subject& subject, const std::vector<std
   double calibrated = 0;
   const auto develop = [&](const Film& film) {
     if (shares) return share_samples(film, *subject.filter, strategy.info.adaptive);
-    Developed picture = reconstruction.develop(film);
+    Developed picture = harness::develop(film, reconstruction, backend);
     calibrated = reconstruction.needs_samples ? calibrate(picture, film, sampler->uniform_samples()) : 0;
     return picture;
   };
