@@ -17,47 +17,12 @@
 #include "sampling/sph/problem.h"
 #include "sampling/sph/stepping_solver.h"
 #include "sph_cuda/gabriel_engine.h"
-#include "sph_cuda/ghost_engine.h"
 #include "sph_cuda/map_engine.h"
-#include "sph_cuda/relaxation.h"
-#include "sph_cuda/size_field_engine.h"
+#include "sph_cuda/sized_relaxation.h"
 #include "sph_cuda/straight_edge_engine.h"
 #include "sph_cuda/variance_engine.h"
 
 namespace abn::sph_cuda {
-
-/// Places [px] to places on the torus [d].
-struct PlaceOnTorus {
-  const Vec2f* position;
-  double spacing;  // d [px]
-  float length_x, length_y;
-  float* x;
-  float* y;
-  ABN_HD void operator()(std::uint32_t i) const {
-    x[i] = sph::wrap(static_cast<float>(static_cast<double>(position[i].x) / spacing), length_x);
-    y[i] = sph::wrap(static_cast<float>(static_cast<double>(position[i].y) / spacing), length_y);
-  }
-};
-/// And back.
-struct PlaceOnPlane {
-  const float* x;
-  const float* y;
-  double spacing;
-  float right, bottom;  // the last places inside
-  Vec2f* position;
-  ABN_HD void operator()(std::uint32_t i) const {
-    const auto px = static_cast<float>(static_cast<double>(x[i]) * spacing);
-    const auto py = static_cast<float>(static_cast<double>(y[i]) * spacing);
-    position[i] = {px < right ? px : right, py < bottom ? py : bottom};
-  }
-};
-
-template <class T>
-struct Copy {
-  const T* from;
-  T* to;
-  ABN_HD void operator()(std::uint32_t i) const { to[i] = from[i]; }
-};
 
 /// What the passes of a plane need on a device; planes may use it one after the other, so that memory once taken serves
 /// the next one.
@@ -75,9 +40,8 @@ struct AdaptiveWorkspace {
   VarianceEngine<Device> variance;
   GabrielEngine<Device> gabriel;
   StraightEdgeEngine<Device> edges;
-  SizeFieldEngine<Device> sizes;
-  GhostEngine<Device> ring{device};
   Relaxation<Device> relaxation{device};
+  SizedRelaxation<Device> sized{device, relaxation};
   Buffer<Vec2f> position;                                          // [most samples], those evaluated first
   Buffer<float> value, light;                                      // [most samples * channels]
   Buffer<float> driver, other_driver, density, wanted, map, size;  // [map]
@@ -194,19 +158,9 @@ class DeviceAdaptivePlane final : public AdaptivePlane {
   void relax(std::uint32_t fresh) {
     const std::uint32_t particles = samples_ + fresh;
     const sph::Setup setup = setup_of_pass(options_);
-    sph::Problem problem = sph::problem_without_field(setup, particles);
-    on_->sizes.prepare(on_->device, on_->size.data(), options_.map, sph::field_options(setup, problem));
-    sph::set_field(setup, on_->sizes.field(), on_->sizes.tile_density(), problem);
-    const sph::FieldCell* field = problem.field.uniform ? nullptr : on_->sizes.cells();
-    const std::uint32_t ghosts = problem.walls ? on_->ring.find(setup, problem, field) : 0;
-    on_->relaxation.reset(setup, problem, std::size_t{particles} + ghosts, field);
-    float* x = on_->relaxation.x();
-    float* y = on_->relaxation.y();
-    on_->device.launch(particles,
-                       PlaceOnTorus{on_->position.data(), problem.spacing, static_cast<float>(problem.field.length_x),
-                                    static_cast<float>(problem.field.length_y), x, y});
-    on_->device.launch(ghosts, Copy<float>{on_->ring.x(), x + particles});
-    on_->device.launch(ghosts, Copy<float>{on_->ring.y(), y + particles});
+    const sph::Problem problem =
+        on_->sized.place(setup, on_->size.data(), options_.map, on_->position.data(), particles);
+    const std::uint32_t ghosts = on_->sized.ghosts();
     std::uint8_t* fixed = on_->relaxation.fixed();
     on_->device.launch(samples_, Fill<std::uint8_t>{fixed, 1});
     on_->device.launch(ghosts, Fill<std::uint8_t>{fixed + particles, 1});
@@ -214,10 +168,8 @@ class DeviceAdaptivePlane final : public AdaptivePlane {
     on_->relaxation.run(control);
     for (auto* buffer : {&on_->x, &on_->y}) buffer->reset(std::size_t{particles} + ghosts);
     on_->relaxation.store(on_->x.data(), on_->y.data());
-    on_->device.launch(
-        fresh, PlaceOnPlane{on_->x.data() + samples_, on_->y.data() + samples_, problem.spacing,
-                            just_below(static_cast<float>(options_.plane.width)),
-                            just_below(static_cast<float>(options_.plane.height)), on_->position.data() + samples_});
+    on_->device.launch(fresh, place_on_plane(on_->x.data() + samples_, on_->y.data() + samples_, problem.spacing,
+                                             options_.plane, on_->position.data() + samples_));
     keep_ghosts(problem, particles, ghosts);
     backend_ = Device::name;
   }

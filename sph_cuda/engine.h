@@ -1,13 +1,16 @@
 // The engine of sph::Solver on a device of relaxation.h: CUDA (solver.cu), or a loop on the host (host_device.h).
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "sampling/sph/stepping_solver.h"
 #include "sph_cuda/relaxation.h"
+#include "sph_cuda/sized_relaxation.h"
 
 namespace abn::sph_cuda {
 
@@ -47,6 +50,25 @@ class DeviceSolver final : public sph::SteppingSolver {
     relaxation_.upload(x, y);
   }
 
+  /// Not with the background force or classes, which only the host prepares, nor for a field that is an error.
+  bool reload(const Grid<float>& s, sph::Problem& problem) override {
+    const auto good = [](float value) { return value > 0 && value <= std::numeric_limits<float>::max(); };
+    if (setup().background || !problem.labels.empty() || s.size().area() == 0 ||
+        !std::all_of(s.cells().begin(), s.cells().end(), good)) {
+      return false;
+    }
+    find_by_id(problem.count());
+    const auto particles = static_cast<std::uint32_t>(problem.particles);
+    position_.reset(particles);
+    device_.launch(particles, place_on_plane(x_.data(), y_.data(), problem.spacing, setup().plane, position_.data()));
+    size_.reset(s.cells().size());
+    size_.upload(s.cells());
+    problem = sized_.place(setup(), size_.data(), s.size(), position_.data(), particles);
+    problem.x.resize(std::size_t{particles} + sized_.ghosts());
+    problem.y.resize(problem.x.size());
+    return true;
+  }
+
   void run(sph::RelaxControl& control) override {
     if (control.done) return;
     if (!fixed().empty()) relaxation_.upload_fixed(fixed());
@@ -54,9 +76,7 @@ class DeviceSolver final : public sph::SteppingSolver {
   }
 
   void store(std::vector<double>& x, std::vector<double>& y) override {
-    const std::size_t n = problem().count();
-    for (auto* buffer : {&x_, &y_}) buffer->reset(n);
-    relaxation_.store(x_.data(), y_.data());
+    find_by_id(problem().count());
     x = as_doubles(x_);
     y = as_doubles(y_);
   }
@@ -70,10 +90,18 @@ class DeviceSolver final : public sph::SteppingSolver {
     return {values.begin(), values.end()};
   }
 
+  /// The positions by id, ghosts included, in x_ and y_.
+  void find_by_id(std::size_t count) {
+    for (auto* buffer : {&x_, &y_}) buffer->reset(count);
+    relaxation_.store(x_.data(), y_.data());
+  }
+
   Device device_;
   Relaxation<Device> relaxation_{device_};
+  SizedRelaxation<Device> sized_{device_, relaxation_};
   Buffer<sph::FieldCell> field_;
-  Buffer<float> x_, y_;
+  Buffer<float> x_, y_, size_;
+  Buffer<Vec2f> position_;
 };
 
 }  // namespace abn::sph_cuda

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "sampling/adaptive/sph_adaptive.h"
+#include "sampling/adaptive/sph_adaptive_thesis.h"
+#include "sampling/error.h"
 #include "sampling/sph/test_engines.h"
 #include "sampling/sph_blue_noise.h"
 #include "sph_cuda/host_device.h"
@@ -95,6 +97,39 @@ TEST(DeviceSolver, FrozenParticlesStayAndCount) {
   }
 }
 
+TEST(DeviceSolver, TakesAnotherSizeFieldWhereItIs) {
+  for (const bool background : {false, true}) {  // on the device, and through the host
+    for (const Boundary boundary : {Boundary::periodic, Boundary::ghost}) {
+      sph::Plane plane = sph::make_plane({40, 30}, 1500, "", Kernel::wendland, boundary);
+      plane.setup.background = background;
+      std::vector<sph::Outcome> outcomes;
+      std::vector<std::vector<Vec2f>> rings;
+      for (const sph::SolverFactory& make :
+           {sph::SolverFactory(sph::make_cpu_solver), host_loop(LaunchOrder::scattered)}) {
+        const auto solver = start(plane, make);
+        const std::vector<std::uint32_t> held = {3, 5, 700};
+        solver->freeze(held);
+        for (const double ratio : {10.0, 1.0, 3.0}) {
+          solver->relax(3, false);
+          solver->set_size_field(sph::smooth_size_field({50, 40}, ratio));
+        }
+        sph::Outcome result;
+        result.report = solver->relax(4, false);
+        const auto positions = solver->positions();
+        result.positions.assign(positions.begin(), positions.end());
+        result.state = solver->evaluate();
+        outcomes.push_back(result);
+        const auto ring = solver->ghosts();
+        rings.emplace_back(ring.begin(), ring.end());
+        EXPECT_THROW(solver->set_size_field(Grid<float>({3, 3}, -1.0F)), ConfigError);
+      }
+      expect_same(outcomes[0], outcomes[1], background ? "background" : "no background");
+      EXPECT_EQ(rings[0], rings[1]);
+      EXPECT_EQ(rings[0].empty(), boundary == Boundary::periodic);
+    }
+  }
+}
+
 TEST(DeviceSolver, StopsWhereTheCpuEngineStops) {
   // Between the batches of steps, at their ends, and by convergence.
   const sph::Plane plane = sph::make_plane({40, 30}, 1500, "", Kernel::wendland, Boundary::periodic);
@@ -139,8 +174,10 @@ Emitted emit(const Strategy& strategy, const SamplingTask& task, const Parameter
 
 TEST(DeviceSolver, StrategiesRunOnIt) {
   SamplingTask task{.plane = {30, 20}, .budget = 3000, .seed = 5, .cache = false};
-  const std::pair<Strategy, ParameterWords> all[] = {
-      {row<SphBlueNoise>(), {}}, {row<SphAdaptive>(), {}}, {row<SphAdaptive>(), {{"delta", "0.3"}}}};
+  const std::pair<Strategy, ParameterWords> all[] = {{row<SphBlueNoise>(), {}},
+                                                     {row<SphAdaptive>(), {}},
+                                                     {row<SphAdaptive>(), {{"delta", "0.3"}}},
+                                                     {row<SphAdaptiveThesis>(), {}}};
   for (const auto& [strategy, words] : all) {
     task.solver = nullptr;
     const Emitted on_cpu = emit(strategy, task, words);

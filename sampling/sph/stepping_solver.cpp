@@ -36,15 +36,17 @@ void SteppingSolver::fix_ghosts() {
 }
 
 void SteppingSolver::set_size_field(const Grid<float>& s) {
-  Setup setup = setup_;
-  setup.classes = problem_.labels;
-  const auto now = positions();
-  const std::vector<Vec2f> places(now.begin(), now.end());
-  // Labels live in the old problem until the new one is made.
-  Problem next = make_problem(setup, places, &s);
-  problem_ = std::move(next);
+  if (!reload(s, problem_)) {
+    Setup setup = setup_;
+    setup.classes = problem_.labels;
+    const auto now = positions();
+    const std::vector<Vec2f> places(now.begin(), now.end());
+    // Labels live in the old problem until the new one is made.
+    Problem next = make_problem(setup, places, &s);
+    problem_ = std::move(next);
+    load(problem_);
+  }
   fix_ghosts();
-  load(problem_);
 }
 
 void SteppingSolver::freeze(std::span<const std::uint32_t> ids) {

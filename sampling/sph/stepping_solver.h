@@ -29,6 +29,10 @@ class SteppingSolver : public Solver {
 
   /// Takes the particles over, at rest.
   virtual void load(const Problem& problem) = 0;
+  /// Puts the particles where they are into another size field without the host's help, at rest, and leaves in
+  /// `problem` what make_problem() would, but for the raster, and for positions their number. Returns false, and
+  /// changes nothing, if it cannot.
+  virtual bool reload(const Grid<float>& /*s*/, Problem& /*problem*/) { return false; }
   /// Steps of every particle that is not fixed, each with the length control.report.step, until control.done.
   virtual void run(RelaxControl& control) = 0;
   /// Writes the particles' positions by id [d], ghosts included.
