@@ -31,7 +31,7 @@ struct AdaptiveWorkspace {
   template <class T>
   using Buffer = typename Device::template Buffer<T>;
 
-  explicit AdaptiveWorkspace(Device d = Device()) : device(std::move(d)) {}
+  explicit AdaptiveWorkspace(Device d = {}) : device(std::move(d)) {}
   AdaptiveWorkspace(const AdaptiveWorkspace&) = delete;
   AdaptiveWorkspace& operator=(const AdaptiveWorkspace&) = delete;
 

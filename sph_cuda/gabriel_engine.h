@@ -101,7 +101,7 @@ class GabrielEngine {
     count_.reset(std::size_t{n} + 1);
     start_.reset(std::size_t{n} + 1);
     device.prepare_sums(std::max(priority_classes, n) + 1);
-    device.launch(priority_classes + 1, SetZero{in_class_.data()});
+    device.launch(priority_classes + 1, Fill<std::uint32_t>{in_class_.data(), 0});
     device.launch(n, RatePairs{sort_.samples().position, n, value_.data(), channels, last_.data(), edges_.data(),
                                end_.data(), options.activity > 0 ? activity_.data() : nullptr, floor_.data(),
                                options.activity, options.length_exponent, priority_.data(), in_class_.data()});

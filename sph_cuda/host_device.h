@@ -20,7 +20,8 @@ class HostDevice {
  public:
   static constexpr const char* name = "host loop";
 
-  explicit HostDevice(LaunchOrder order = LaunchOrder::forward) : order_(order) {}
+  HostDevice() = default;
+  explicit HostDevice(LaunchOrder order) : order_(order) {}
 
   template <class T>
   class Buffer {
@@ -114,7 +115,7 @@ class HostDevice {
     }
   }
 
-  LaunchOrder order_;
+  LaunchOrder order_ = LaunchOrder::forward;
 };
 
 }  // namespace abn::sph_cuda

@@ -275,9 +275,4 @@ struct Fill {
   ABN_HD void operator()(std::uint32_t i) const { values[i] = value; }
 };
 
-struct SetZero {
-  std::uint32_t* values;
-  ABN_HD void operator()(std::uint32_t i) const { values[i] = 0; }
-};
-
 }  // namespace abn::sph_cuda

@@ -70,7 +70,7 @@ class KrigingEngine {
     value_.reset(std::size_t{pixels} * channels);
     scale_.reset(pixels);
     empty_.reset(1);
-    device_.launch(1, SetZero{empty_.data()});
+    device_.launch(1, Fill<std::uint32_t>{empty_.data(), 0});
     if (steps) {
       step_.reset(pixels);
       steps_.look_at(bins_, EdgeOptions());

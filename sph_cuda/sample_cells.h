@@ -195,7 +195,7 @@ class SampleSort {
     for (auto* buffer : {&count_, &start_}) buffer->reset(std::size_t{count} + 1);
     sorted_.reset(n);
     device.prepare_sums(count + 1);
-    device.launch(count + 1, SetZero{count_.data()});
+    device.launch(count + 1, Fill<std::uint32_t>{count_.data(), 0});
     device.launch(n, CountSampleCells{cells, position, cell_.data(), place_.data(), count_.data()});
     device.exclusive_sum(count_.data(), start_.data(), count + 1);
     scattered_.reset(n);

@@ -23,6 +23,9 @@
 #include "sph_cuda/buffer.h"
 #include "sph_cuda/check.h"
 #include "sph_cuda/device.h"
+#include "sph_cuda/host_device.h"
+#include "sph_cuda/kriging.h"
+#include "sph_cuda/kriging_engine.h"
 #include "sph_cuda/selftest_engine.h"
 #include "sph_cuda/selftest_statistics.h"
 
@@ -327,6 +330,10 @@ int main(int count, char** words) {
       good &= abn::sph_cuda::run_statistics(abn::sph::make_cpu_solver, abn::sph_cuda::make_cuda_solver);
       const auto on_host = [](const abn::AdaptivePlaneOptions& options) { return abn::make_adaptive_plane(options); };
       good &= abn::sph_cuda::run_adaptive_tests(on_host, abn::sph_cuda::make_cuda_adaptive_plane_factory());
+      const abn::SampleEstimator by_host_loop = [](auto... given) {
+        return abn::sph_cuda::KrigingEngine<abn::sph_cuda::HostDevice>()(given...);
+      };
+      good &= abn::sph_cuda::run_picture_tests(by_host_loop, abn::sph_cuda::make_cuda_estimator());
     }
     std::printf("%s\n", good ? "the devices compute what the host computes" : "MISMATCH between host and device");
     return good ? 0 : 1;

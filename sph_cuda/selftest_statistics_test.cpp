@@ -4,12 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "sph_cuda/adaptive_engine.h"
 #include "sph_cuda/engine.h"
 #include "sph_cuda/host_device.h"
+#include "sph_cuda/kriging_engine.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -44,6 +45,18 @@ TEST(SelftestStatistics, CompareDownscales) {
     return make_adaptive_plane(options);
   };
   EXPECT_FALSE(run_adaptive_tests(on_cpu, wrong, 3, {32, 32}));
+}
+
+TEST(SelftestStatistics, ComparePictures) {
+  const SampleEstimator on_device = [](auto... given) { return KrigingEngine<HostDevice>()(given...); };
+  EXPECT_TRUE(run_picture_tests(on_device, on_device, {24, 24}));
+  const SampleEstimator wrong = [](auto... given) {
+    PixelEstimates estimates = KrigingEngine<HostDevice>()(given...);
+    estimates.value[5] = NAN;
+    estimates.value[50] += 0.01F;  // two of 1728 are more than one in a thousand
+    return estimates;
+  };
+  EXPECT_FALSE(run_picture_tests(on_device, wrong, {24, 24}));
 }
 
 }  // namespace
