@@ -112,10 +112,17 @@ class Relaxation {
     control_.upload(std::vector<sph::RelaxControl>{control});
     // The flag that ends the relaxation is read once per batch; steps after the last one do nothing.
     const int batch = std::min(control.max_steps, steps_per_batch);
+    const auto enqueue = [&] {
+      for (int s = 0; s < batch; ++s) enqueue_step();
+    };
+    // To record a batch takes longer than to launch it a few times.
+    const bool record = control.max_steps > 4 * steps_per_batch;
     while (!control.done) {
-      device_.replay(this, batch, [&] {
-        for (int s = 0; s < batch; ++s) enqueue_step();
-      });
+      if (record) {
+        device_.replay(this, batch, enqueue);
+      } else {
+        enqueue();
+      }
       control = control_.download(1)[0];
     }
   }
