@@ -171,7 +171,8 @@ TEST(SphSizeField, JumpIsBlendedOverAboutOneLargerSpacing) {
     EXPECT_NEAR(large / small, 8, 0.05);
     double first = 0;
     double last = 0;
-    for (double x = 60; x < 140; x += 0.01) {
+    for (int k = 0; k < 8000; ++k) {
+      const double x = 60 + 0.01 * k;
       const double s = size_at(field, x, 20);
       if (s < small * 1.01) first = x;
       if (s < large * 0.99) last = x;
