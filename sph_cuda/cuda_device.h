@@ -51,6 +51,7 @@ class CudaDevice {
 
   template <class Body>
   void launch(std::uint32_t n, const Body& body) {
+    static_assert(std::is_trivially_copyable_v<Body>);
     if (n == 0) return;
     const std::uint32_t blocks = n / threads_per_block + (n % threads_per_block != 0 ? 1 : 0);
     run_indices<<<blocks, threads_per_block, 0, stream_.get()>>>(body, n);
@@ -59,6 +60,7 @@ class CudaDevice {
 
   template <class Body>
   void launch_blocks(std::uint32_t blocks, const Body& body) {
+    static_assert(std::is_trivially_copyable_v<Body>);
     if (blocks == 0) return;
     const std::size_t bytes = body.shared_bytes();
     if (bytes > shared_without_asking) {

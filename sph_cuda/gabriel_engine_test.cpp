@@ -10,7 +10,7 @@
 #include "sampling/adaptive/gabriel.h"
 #include "sampling/adaptive/nearest_samples.h"
 #include "sampling/rng.h"
-#include "sph_cuda/host_device.h"
+#include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -42,12 +42,8 @@ class GabrielEngineTest : public ::testing::Test {
  protected:
   void expect_equal(const Samples& samples, std::uint32_t channels, Extent plane, std::size_t wanted,
                     const GabrielOptions& options, const std::vector<LaunchOrder>& orders) {
-    HostDevice::Buffer<Vec2f> position;
-    HostDevice::Buffer<float> value;
-    position.reset(samples.position.size());
-    position.upload(samples.position);
-    value.reset(samples.value.size());
-    value.upload(samples.value);
+    const auto position = on_device(samples.position);
+    const auto value = on_device(samples.value);
     const auto n = static_cast<std::uint32_t>(samples.position.size());
     const GabrielMidpoints expected =
         gabriel_midpoints(samples.position, samples.value, channels, plane, wanted, 7, options);

@@ -11,6 +11,7 @@
 #include "sampling/sph/test_planes.h"
 #include "sph_cuda/host_device.h"
 #include "sph_cuda/size_field_engine.h"
+#include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -30,7 +31,8 @@ void expect_same(Engines& engines, const sph::Setup& setup, const Grid<float>& s
   const sph::FieldOptions options = sph::field_options(setup, problem);
   const sph::FieldCell* cells = nullptr;
   if (sized) {
-    engines.sizes.prepare(engines.device, s.cells().data(), s.size(), options);
+    const auto copy = on_device(s);
+    engines.sizes.prepare(engines.device, copy.data(), s.size(), options);
     sph::set_field(setup, engines.sizes.field(), engines.sizes.tile_density(), problem);
     cells = problem.field.uniform ? nullptr : engines.sizes.cells();
   } else {
@@ -39,6 +41,7 @@ void expect_same(Engines& engines, const sph::Setup& setup, const Grid<float>& s
   const std::uint32_t count = engines.ring.find(setup, problem, cells);
   ASSERT_EQ(count, expected.count() - expected.particles) << where;
   ASSERT_GT(count, 10U) << where;
+  const HostMemory::Access access;
   std::size_t different = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     different += double{engines.ring.x()[i]} == expected.x[expected.particles + i] &&

@@ -6,10 +6,15 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <numeric>
 #include <span>
+#include <type_traits>
+#include <utility>
 #include <vector>
+
+#include "sph_cuda/host_memory.h"
 
 namespace abn::sph_cuda {
 
@@ -26,36 +31,52 @@ class HostDevice {
   template <class T>
   class Buffer {
    public:
+    Buffer() = default;
+    Buffer(Buffer&& other) noexcept
+        : data_(std::exchange(other.data_, nullptr)), count_(std::exchange(other.count_, 0)) {}
+    Buffer& operator=(Buffer&& other) noexcept {
+      std::swap(data_, other.data_);
+      std::swap(count_, other.count_);
+      return *this;
+    }
+    ~Buffer() { reset(0); }
+
     void reset(std::size_t count) {
-      data_ = count > 0 ? std::make_unique<T[]>(count) : nullptr;
+      static_assert(std::is_trivially_copyable_v<T>);
+      if (data_ != nullptr) HostMemory::give_back(std::exchange(data_, nullptr));
       count_ = count;
+      if (count > 0) data_ = static_cast<T*>(HostMemory::take(count * sizeof(T)));
     }
     void upload(std::span<const T> values) {
       assert(values.size() == count_);
-      std::copy(values.begin(), values.end(), data_.get());
+      upload_at(0, values);
     }
     void upload(const std::vector<T>& values) { upload(std::span<const T>(values)); }
     void upload_at(std::size_t first, std::span<const T> values) {
       assert(first + values.size() <= count_);
-      std::copy(values.begin(), values.end(), data_.get() + first);
+      const HostMemory::Access access(data_, count_ * sizeof(T));
+      std::copy(values.begin(), values.end(), data_ + first);
     }
     std::vector<T> download(std::size_t count) const { return download_at(0, count); }
     std::vector<T> download_at(std::size_t first, std::size_t count) const {
       assert(first + count <= count_);
-      return {data_.get() + first, data_.get() + first + count};
+      const HostMemory::Access access(data_, count_ * sizeof(T));
+      return {data_ + first, data_ + first + count};
     }
-    T* data() { return data_.get(); }
-    const T* data() const { return data_.get(); }
+    T* data() { return data_; }
+    const T* data() const { return data_; }
     std::size_t size() const { return count_; }
 
    private:
-    std::unique_ptr<T[]> data_;
+    T* data_ = nullptr;
     std::size_t count_ = 0;
   };
 
   template <class Body>
   void launch(std::uint32_t n, const Body& body) const {
     constexpr std::uint32_t threads = 128;
+    HostMemory::check_pointers(body);
+    const HostMemory::Access access;
     for_each((n + threads - 1) / threads, [&](std::uint32_t block) {
       for_each(threads, [&](std::uint32_t thread) {
         const std::uint64_t i = std::uint64_t{block} * threads + thread;
@@ -66,8 +87,11 @@ class HostDevice {
 
   template <class Body>
   void launch_blocks(std::uint32_t blocks, const Body& body) const {
+    HostMemory::check_pointers(body);
+    const HostMemory::Access access;
     for_each(blocks, [&](std::uint32_t block) {
-      const auto shared = std::make_unique<unsigned char[]>(body.shared_bytes());
+      const auto shared = std::make_unique_for_overwrite<unsigned char[]>(body.shared_bytes());
+      std::memset(shared.get(), 0xCD, body.shared_bytes());
       for (int phase = 0; phase < body.phases(block); ++phase) {
         for_each(Body::threads, [&](std::uint32_t thread) { body(phase, block, thread, shared.get()); });
       }
@@ -76,6 +100,7 @@ class HostDevice {
 
   void prepare_sums(std::uint32_t) const {}
   void exclusive_sum(const std::uint32_t* in, std::uint32_t* out, std::uint32_t n) const {
+    const HostMemory::Access access;
     std::uint32_t sum = 0;
     for (std::uint32_t i = 0; i < n; ++i) {
       out[i] = sum;
@@ -86,6 +111,7 @@ class HostDevice {
   void prepare_sort(std::uint32_t) const {}
   void sort_pairs(const std::uint64_t* key, std::uint64_t* sorted_key, const std::uint32_t* value,
                   std::uint32_t* sorted_value, std::uint32_t n) const {
+    const HostMemory::Access access;
     std::vector<std::uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0U);
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });

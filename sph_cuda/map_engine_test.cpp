@@ -9,7 +9,7 @@
 #include "sampling/adaptive/allocation.h"
 #include "sampling/adaptive/drivers.h"
 #include "sampling/adaptive/local_variance.h"
-#include "sph_cuda/host_device.h"
+#include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -27,13 +27,6 @@ Grid<float> hills(Extent size, std::uint64_t seed) {
     map[i] = u < 0.6F ? 0 : u * u * (i % 97 == 0 ? 50.0F : 0.3F);
   }
   return map;
-}
-
-Map on_device(const Grid<float>& map) {
-  Map buffer;
-  buffer.reset(map.cells().size());
-  buffer.upload(map.cells());
-  return buffer;
 }
 
 class MapEngineTest : public testing::TestWithParam<LaunchOrder> {

@@ -11,6 +11,7 @@
 #include "sampling/rng.h"
 #include "sampling/sph/size_field_cases.h"
 #include "sph_cuda/host_device.h"
+#include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -38,7 +39,8 @@ Grid<float> rough_field(Extent size, double exponent) {
 void expect_same(SizeFieldEngine<HostDevice>& engine, HostDevice& device, const Grid<float>& s,
                  const sph::FieldOptions& options, const std::string& where) {
   const sph::SizeField expected = sph::prepare_size_field(s, options);
-  engine.prepare(device, s.cells().data(), s.size(), options);
+  const auto copy = on_device(s);
+  engine.prepare(device, copy.data(), s.size(), options);
   const sph::SizeField& field = engine.field();
   ASSERT_EQ(field.uniform, expected.uniform) << where;
   EXPECT_EQ(field.length_x, expected.length_x) << where;
@@ -52,8 +54,7 @@ void expect_same(SizeFieldEngine<HostDevice>& engine, HostDevice& device, const 
   EXPECT_TRUE(field.cells.empty());
   const std::size_t cells = expected.cells.size();
   ASSERT_EQ(std::size_t{field.width} * field.height, cells) << where;
-  EXPECT_TRUE(cells == 0 || std::memcmp(engine.cells(), expected.cells.data(), cells * sizeof(sph::FieldCell)) == 0)
-      << where;
+  EXPECT_TRUE(cells == 0 || same_bits<sph::FieldCell>(engine.cells(), expected.cells.data(), cells)) << where;
   const std::vector<double> density = expected.uniform ? std::vector<double>{} : sph::tile_densities(expected);
   EXPECT_EQ(engine.tile_density(), density) << where;
 }

@@ -9,7 +9,7 @@
 
 #include "sampling/adaptive/straight_edges.h"
 #include "sampling/rng.h"
-#include "sph_cuda/host_device.h"
+#include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -34,12 +34,8 @@ Samples samples_of(Extent plane, std::uint32_t n, std::uint32_t channels, const 
 
 /// What the host finds, after comparing.
 double expect_equal(const Samples& samples, std::uint32_t channels, Extent plane) {
-  HostDevice::Buffer<Vec2f> position;
-  HostDevice::Buffer<float> value;
-  position.reset(samples.position.size());
-  position.upload(samples.position);
-  value.reset(samples.value.size());
-  value.upload(samples.value);
+  const auto position = on_device(samples.position);
+  const auto value = on_device(samples.value);
   const auto n = static_cast<std::uint32_t>(samples.position.size());
   const double expected = straight_edge_share(samples.position, samples.value, channels, plane);
   StraightEdgeEngine<HostDevice> engine;

@@ -8,6 +8,7 @@
 
 #include "sampling/rng.h"
 #include "sph_cuda/host_device.h"
+#include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -40,10 +41,14 @@ TEST(SumInTurn, EqualsALoopInEveryOrderOfThreads) {
   const auto blocks = static_cast<std::uint32_t>(counts.size());
   for (const LaunchOrder order : {LaunchOrder::forward, LaunchOrder::backward, LaunchOrder::scattered}) {
     const HostDevice device(order);
-    std::vector<double> sum(blocks, -1);
-    std::vector<Extremes> extremes(blocks);
-    device.launch_blocks(blocks, SumInTurn<Values>{{counts.data(), values.data(), sum.data()}});
-    device.launch_blocks(blocks, FindExtremes<Floats>{{counts.data(), values.data(), extremes.data()}});
+    const auto count = on_device(counts);
+    const auto value = on_device(values);
+    auto sums = on_device(std::vector<double>(blocks, -1));
+    auto both = on_device(std::vector<Extremes>(blocks));
+    device.launch_blocks(blocks, SumInTurn<Values>{{count.data(), value.data(), sums.data()}});
+    device.launch_blocks(blocks, FindExtremes<Floats>{{count.data(), value.data(), both.data()}});
+    const std::vector<double> sum = sums.download(blocks);
+    const std::vector<Extremes> extremes = both.download(blocks);
     for (std::uint32_t b = 0; b < blocks; ++b) {
       const auto end = values.begin() + counts[b];
       EXPECT_EQ(sum[b], std::accumulate(values.begin(), end, 0.0)) << counts[b];

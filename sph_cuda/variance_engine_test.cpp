@@ -7,7 +7,7 @@
 
 #include "sampling/adaptive/local_variance.h"
 #include "sampling/rng.h"
-#include "sph_cuda/host_device.h"
+#include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
@@ -58,13 +58,9 @@ TEST(VarianceEngine, EqualsLocalVarianceBitForBit) {
 TEST(VarianceEngine, LeavesItsResultOnTheDevice) {
   const Samples samples = samples_of({30, 20}, 900, 3);
   HostDevice device(LaunchOrder::backward);
-  HostDevice::Buffer<Vec2f> position;
-  HostDevice::Buffer<float> value;
+  const auto position = on_device(samples.position);
+  const auto value = on_device(samples.value);
   HostDevice::Buffer<float> variance;
-  position.reset(samples.position.size());
-  position.upload(samples.position);
-  value.reset(samples.value.size());
-  value.upload(samples.value);
   variance.reset(30 * 20);
   VarianceEngine<HostDevice> engine;
   engine.find(device, position.data(), value.data(), 900, 3, {30, 20}, {30, 20}, 8, variance.data());
