@@ -85,8 +85,9 @@ Developed develop(const Film& film, const Reconstruction& row, const Backend& ba
   }
 }
 
-void tell_fallback(const std::string& word, const StrategyInfo& info) {
-  if (!info.solver) return;
+void tell_fallback(const std::string& word, const StrategyInfo& info, const std::string& reconstruction) {
+  const std::string name = reconstruction == "auto" ? info.reconstruction : reconstruction;
+  if (!info.solver && (name.empty() || !find_reconstruction(name).develop.runs_on_device())) return;
   if (const std::string note = resolve_backend(word).note; !note.empty()) say_once(note);
 }
 

@@ -28,9 +28,9 @@ Backend resolve_backend(const std::string& word);
 /// falls back.
 Developed develop(const Film& film, const Reconstruction& row, const Backend& backend);
 
-/// Says on stderr, once per process, that `auto` fell back to the CPU, if it did and the strategy would have used the
-/// GPU.
-void tell_fallback(const std::string& word, const StrategyInfo& info);
+/// Says on stderr, once per process, that `auto` fell back to the CPU, if it did and the strategy or the reconstruction
+/// would have used the GPU. The reconstruction may be "auto", or "" where no picture is made.
+void tell_fallback(const std::string& word, const StrategyInfo& info, const std::string& reconstruction = "");
 
 /// One line about the GPU for records and `abn info`: its name, or why there is none.
 std::string describe_gpu();

@@ -54,6 +54,12 @@ TEST(Backend, FallsBackOnlyIfItMay) {
   EXPECT_EQ(develop(film, row, backend).image.texels, row.develop(film).image.texels);
 }
 
+TEST(Backend, KrigingAndEdgeRunOnDevices) {
+  for (const Reconstruction& row : reconstructions()) {
+    EXPECT_EQ(row.develop.runs_on_device(), row.name == "kriging" || row.name == "edge") << row.name;
+  }
+}
+
 TEST(Backend, KnowsItsWords) {
   EXPECT_EQ(resolve_backend("cpu").name, "cpu");
   EXPECT_EQ(resolve_backend("cpu").estimate, nullptr);

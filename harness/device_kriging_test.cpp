@@ -101,8 +101,19 @@ std::vector<Case> cases() {
 }
 
 Film film_of_case(const Case& one, std::uint32_t channels) {
-  return film_of(
-      one.plane, channels, one.position, [&](Vec2f p, float* value) { colours(p, value, channels); }, one.weight);
+  std::vector<float> value(one.position.size() * channels);
+  std::vector<std::uint32_t> pixel;  // the nearest one: a sample outside needs an owner
+  const auto along = [](float at, std::uint32_t length) {
+    return static_cast<std::uint32_t>(std::clamp(at, 0.0F, static_cast<float>(length) - 0.5F));
+  };
+  for (std::size_t i = 0; i < one.position.size(); ++i) {
+    const Vec2f p = one.position[i];
+    colours(p, value.data() + i * channels, channels);
+    pixel.push_back(along(p.y, one.plane.height) * one.plane.width + along(p.x, one.plane.width));
+  }
+  Film film(one.plane, channels, true);
+  film.add({one.position, one.weight, pixel}, value);
+  return film;
 }
 
 TEST(DeviceKriging, EqualsTheHostBitForBitInEveryLaunchOrder) {

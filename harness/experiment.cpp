@@ -93,7 +93,7 @@ ExperimentOutcome run_experiment(const ExperimentSpec& spec, const ExperimentOpt
          .detail = fmt::format("{} {} seed {}", scene_name(run_spec.subject.scene), run_spec.label, run_spec.seed),
          .work = [&do_run, &run_spec] { return do_run(run_spec); }});
   }
-  if (!options.quiet) tell_fallbacks(spec.backend, spec.strategies);
+  if (!options.quiet) tell_fallbacks(spec.backend, spec.strategies, spec.reconstruction);
   Progress progress(spec.name, count_jobs(jobs, options, file), options.quiet);
   bar = &progress;
   const LoopOutcome loop = run_jobs(spec.name, jobs, options, file, progress);

@@ -90,10 +90,12 @@ std::size_t count_jobs(const std::vector<Job>& jobs, const ExperimentOptions& op
   return count;
 }
 
-void tell_fallbacks(const std::string& backend, const std::vector<StrategyChoice>& strategies) {
+void tell_fallbacks(const std::string& backend, const std::vector<StrategyChoice>& strategies,
+                    const std::string& reconstruction) {
   for (const StrategyChoice& choice : strategies) {
     ParameterWords words = choice.parameters;
-    tell_fallback(backend, find_strategy(choice.name, words).info);
+    tell_fallback(backend, find_strategy(choice.name, words).info,
+                  choice.reconstruction.empty() ? reconstruction : choice.reconstruction);
   }
 }
 

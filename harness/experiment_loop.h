@@ -57,7 +57,8 @@ LoopOutcome run_jobs(const std::string& experiment, const std::vector<Job>& jobs
                      RowFile& file, Progress& progress);
 
 /// tell_fallback() for the strategies of an experiment.
-void tell_fallbacks(const std::string& backend, const std::vector<StrategyChoice>& strategies);
+void tell_fallbacks(const std::string& backend, const std::vector<StrategyChoice>& strategies,
+                    const std::string& reconstruction = "");
 
 /// How many of the jobs are to be done.
 std::size_t count_jobs(const std::vector<Job>& jobs, const ExperimentOptions& options, const RowFile& file);

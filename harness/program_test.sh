@@ -421,6 +421,8 @@ other_verbs() {
   [[ ! -s o.err ]] || fail "--backend cpu: $(cat o.err)"
   succeeds o "${engine[@]}" --strategy jitter
   [[ ! -s o.err ]] || fail "jitter, which has no engine: $(cat o.err)"
+  succeeds o "${engine[@]}" --strategy jitter --reconstruction kriging
+  [[ ! -s o.err || ($(wc -l <o.err) == 1 && $(<o.err) == *"no CUDA device; the CPU does it all"*) ]] || fail "kriging and --backend auto: $(cat o.err)"
   succeeds o "${engine[@]}" --strategy sph_blue_noise --quiet
   [[ ! -s o.err ]] || fail "--quiet and --backend auto: $(cat o.err)"
 }

@@ -20,6 +20,7 @@ class Develop {
   Develop(Function function) {  // implicit: a row is written with the function itself
     if constexpr (std::is_invocable_v<Function, const Film&, const EstimatePixels&>) {
       develop_ = std::move(function);
+      runs_on_device_ = true;
     } else {
       develop_ = [function = std::move(function)](const Film& film, const EstimatePixels&) { return function(film); };
     }
@@ -28,8 +29,10 @@ class Develop {
   Developed operator()(const Film& film, const EstimatePixels& on_device = nullptr) const {
     return develop_(film, on_device);
   }
+  bool runs_on_device() const { return runs_on_device_; }
 
  private:
+  bool runs_on_device_ = false;
   std::function<Developed(const Film&, const EstimatePixels&)> develop_;
 };
 

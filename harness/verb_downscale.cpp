@@ -217,7 +217,7 @@ int downscale(const GlobalOptions& global, const DownscaleOptions& options) {
   stop_if_interrupted();
   if (!global.quiet) {
     for (const auto& notice : subject->notices) fmt::print(stderr, "abn: {}: {}\n", options.image, notice);
-    tell_fallback(spec.backend, strategy_info(spec));
+    tell_fallback(spec.backend, strategy_info(spec), spec.reconstruction);
   }
   std::vector<std::string> names;
   for (const auto& metric : metrics()) names.push_back(metric.name);
