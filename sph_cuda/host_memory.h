@@ -14,8 +14,9 @@
 #include <string>
 #include <type_traits>
 
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/asan_interface.h>
+#ifdef __SANITIZE_ADDRESS__  // what the sanitizer's own header says
+extern "C" void __asan_poison_memory_region(void const volatile* memory, std::size_t bytes);
+extern "C" void __asan_unpoison_memory_region(void const volatile* memory, std::size_t bytes);
 #endif
 
 namespace abn::sph_cuda {
