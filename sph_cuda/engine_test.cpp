@@ -28,6 +28,16 @@ sph::SolverFactory host_loop(LaunchOrder order) {
       [order](const sph::Setup& setup) { return std::make_unique<DeviceSolver<HostDevice>>(setup, HostDevice(order)); };
 }
 
+/// What the engine says after so many steps more.
+sph::Outcome after(sph::Solver& solver, int steps) {
+  sph::Outcome result;
+  result.report = solver.relax(steps, false);
+  const auto positions = solver.positions();
+  result.positions.assign(positions.begin(), positions.end());
+  result.state = solver.evaluate();
+  return result;
+}
+
 TEST(DeviceSolver, EqualsTheCpuEngineBitForBit) {
   for (const auto& planes : {sph::all_planes(130), sph::odd_planes()}) {
     for (const sph::Plane& plane : planes) {
@@ -84,12 +94,7 @@ TEST(DeviceSolver, FrozenParticlesStayAndCount) {
         solver->relax(3, false);
         const std::vector<std::uint32_t> more = {9, 10, 11};
         solver->freeze(more);
-        sph::Outcome result;
-        result.report = solver->relax(4, false);
-        const auto positions = solver->positions();
-        result.positions.assign(positions.begin(), positions.end());
-        result.state = solver->evaluate();
-        outcomes.push_back(result);
+        outcomes.push_back(after(*solver, 4));
       }
       expect_same(outcomes[0], outcomes[1], plane.name);
       EXPECT_GT(outcomes[1].report.mean_displacement, 0);
@@ -113,12 +118,7 @@ TEST(DeviceSolver, TakesAnotherSizeFieldWhereItIs) {
           solver->relax(3, false);
           solver->set_size_field(sph::smooth_size_field({50, 40}, ratio));
         }
-        sph::Outcome result;
-        result.report = solver->relax(4, false);
-        const auto positions = solver->positions();
-        result.positions.assign(positions.begin(), positions.end());
-        result.state = solver->evaluate();
-        outcomes.push_back(result);
+        outcomes.push_back(after(*solver, 4));
         const auto ring = solver->ghosts();
         rings.emplace_back(ring.begin(), ring.end());
         EXPECT_THROW(solver->set_size_field(Grid<float>({3, 3}, -1.0F)), ConfigError);

@@ -9,34 +9,10 @@
 
 #include "sampling/adaptive/gabriel.h"
 #include "sampling/adaptive/nearest_samples.h"
-#include "sampling/rng.h"
 #include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
-
-struct Samples {
-  std::vector<Vec2f> position;
-  std::vector<float> value;
-};
-
-/// A fifth of them crowded in a corner, some at the same place, some on the borders, many of equal values.
-Samples samples_of(Extent plane, std::uint32_t n, std::uint32_t channels) {
-  Samples samples;
-  const auto w = static_cast<float>(plane.width);
-  const auto h = static_cast<float>(plane.height);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    Rng rng(5, 6, i);
-    Vec2f at = to_plane(rng.uniform2(), plane);
-    if (i % 5 == 0) at = at * 0.02F;
-    if (i % 50 == 1) at = {w / 2, 0.5F};
-    if (i % 50 == 2) at.x = just_below(w);
-    if (i % 50 == 3) at.y = just_below(h);
-    samples.position.push_back(at);
-    for (std::uint32_t c = 0; c < channels; ++c) samples.value.push_back(rng.uniform() > 0.7F ? rng.uniform() : 0.25F);
-  }
-  return samples;
-}
 
 class GabrielEngineTest : public ::testing::Test {
  protected:

@@ -6,30 +6,10 @@
 #include <vector>
 
 #include "sampling/adaptive/local_variance.h"
-#include "sampling/rng.h"
 #include "sph_cuda/test_device.h"
 
 namespace abn::sph_cuda {
 namespace {
-
-struct Samples {
-  std::vector<Vec2f> position;
-  std::vector<float> value;
-};
-
-/// A fifth of them crowded in a corner, some at the same place.
-Samples samples_of(Extent plane, std::uint32_t n, std::uint32_t channels) {
-  Samples samples;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    Rng rng(5, 6, i);
-    Vec2f at = to_plane(rng.uniform2(), plane);
-    if (i % 5 == 0) at = at * 0.02F;
-    if (i % 50 == 1) at = {static_cast<float>(plane.width) / 2, 0.5F};
-    samples.position.push_back(at);
-    for (std::uint32_t c = 0; c < channels; ++c) samples.value.push_back(rng.uniform() > 0.7F ? rng.uniform() : 0.25F);
-  }
-  return samples;
-}
 
 std::vector<float> values_of(const Grid<float>& map) { return {map.cells().begin(), map.cells().end()}; }
 
